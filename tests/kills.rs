@@ -12,15 +12,15 @@ use crate::support::{Dir, Noise, Run};
 use crate::{annotation, hosting, interop, originals, proposing, releasing, solving, splats};
 
 /// A verb that writes, and a folder in which it can be run.
-struct Verb {
-    name: &'static str,
-    stage: fn() -> Dir,
-    line: &'static str,
+pub(crate) struct Verb {
+    pub(crate) name: &'static str,
+    pub(crate) stage: fn() -> Dir,
+    pub(crate) line: &'static str,
     /// Whether it is quick enough to be killed in the plain suite.
-    is_quick: bool,
+    pub(crate) is_quick: bool,
 }
 
-const fn verb(name: &'static str, stage: fn() -> Dir, line: &'static str) -> Verb {
+pub(crate) const fn verb(name: &'static str, stage: fn() -> Dir, line: &'static str) -> Verb {
     Verb { name, stage, line, is_quick: false }
 }
 
@@ -33,7 +33,7 @@ const TRAIN: &str = "train-splats ball --profile tiny --data data --gaussians 80
      --patience 0 --checkpoint-seconds 0.1";
 
 /// All that write more than a file and need no Blender, whose kills are in `blender`.
-static VERBS: [Verb; 17] = [
+pub(crate) static VERBS: [Verb; 17] = [
     quick("baseline", Dir::with_benchmark, "baseline --profile tiny"),
     quick("score", Dir::with_baselines, "score --profile tiny"),
     verb("leaderboard", scored, "leaderboard --profile tiny --html"),
@@ -61,7 +61,7 @@ static VERBS: [Verb; 17] = [
     verb("ablate", solving::world, "ablate scales --profile tiny --data data --grounder oracle --lift vote"),
 ];
 
-fn scored() -> Dir {
+pub(crate) fn scored() -> Dir {
     let dir = Dir::with_baselines();
     dir.succeed("score --profile tiny");
     dir
@@ -74,7 +74,7 @@ fn unseen() -> Dir {
     dir
 }
 
-/// All files, what a clock says left out.
+/// All files, what a clock says and what a run notes for the next one left out.
 fn files(dir: &Dir) -> BTreeMap<String, Vec<u8>> {
     fn forget_times(value: &mut Value) {
         match value {
@@ -87,6 +87,7 @@ fn files(dir: &Dir) -> BTreeMap<String, Vec<u8>> {
         }
     }
     let mut files = dir.tree("");
+    files.retain(|name, _| !name.ends_with(".l4d-written"));
     for (name, bytes) in &mut files {
         if name.ends_with(".json")
             && let Ok(mut document) = serde_json::from_slice(bytes)
@@ -159,6 +160,9 @@ fn two_runs_do_not_write_into_one_folder() {
         ("host", "hosting/codabench"),
         ("import", "results/mevis"),
         ("release", "release"),
+        ("score", "scores"),
+        ("leaderboard", "leaderboard"),
+        ("open-round", "annotation/rounds/pilot"),
     ];
     for (verb, folder) in places {
         let verb = VERBS.iter().find(|other| other.name == verb).unwrap();

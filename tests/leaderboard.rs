@@ -51,6 +51,24 @@ pub(crate) fn add_contestant(dir: &Dir, baseline: &str, name: &str, saw_depth: b
 }
 
 #[test]
+fn masks_that_are_not_those_that_were_scored_are_told() {
+    let dir = scored();
+    let html = format!("{LEADERBOARD} --html");
+    assert!(!dir.succeed(&html).stderr.contains("warning"));
+    dir.write("results/contestant/masks/room_discs/001.json", "{");
+    dir.write("results/oracle/masks/room_discs/001.json", dir.read("results/all/masks/room_discs/001.json"));
+    dir.run(html).says(
+        0,
+        &[
+            "warning: results/contestant/masks/room_discs/001.json: ",
+            "warning: results/contestant/masks/room_discs: the masks of 001 are not those that were scored",
+            "warning: results/oracle/masks/room_discs: the masks of 001 are not",
+            "score the method again",
+        ],
+    );
+}
+
+#[test]
 fn scores_become_a_document_tables_and_figures() {
     let dir = made().copy();
     let run = dir.succeed(format!("{LEADERBOARD} --html --output again"));

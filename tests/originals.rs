@@ -235,6 +235,38 @@ fn refersplat_goes_through() {
     originals.agrees("refersplat", "langsplat", "refersplat");
 }
 
+/// A template for a model a moment, as [presets](../docs/import/presets.md) gives it.
+fn of_moments(preset: &str) -> String {
+    let start = format!("l4d import {preset} theirs/ --template ");
+    let presets = shipped("docs/import/presets.md");
+    let template = presets.lines().find_map(|line| line.trim().strip_prefix(&start)).unwrap();
+    format!("--template '{}'", template.trim_matches('"'))
+}
+
+#[test]
+fn opengaussian_and_refersplat_trained_a_moment_at_a_time_go_through() {
+    let (clusters, maps) = (opengaussian(), refersplat());
+    for originals in [&clusters, &maps] {
+        originals.dir.remove("theirs");
+    }
+    for (query, moment) in pairs() {
+        let of_moment = format!("theirs/{SCENE}_{:04}", 12 * moment);
+        let run = format!("{of_moment}/text2obj/ours_70000/renders_cluster_silhouette");
+        let mask = clusters.guess(&query, moment);
+        clusters.dir.write(&format!("{run}/frame_00001_{}.png", query.text), rgb(&mask));
+        let numbers: Vec<f32> =
+            mask.to_bools().into_iter().map(|inside| f32::from(u8::from(inside))).collect();
+        for epoch in 0..5 {
+            let file = format!("{of_moment}/testccc/ours_{epoch}/renders_npy/00001{}.npy", query.text);
+            maps.dir.write(&file, npy(&[96, 128, 1], &numbers));
+        }
+    }
+    clusters.import("opengaussian", &of_moments("opengaussian"));
+    clusters.agrees("opengaussian", "langsplat", "opengaussian");
+    maps.import("refersplat", &of_moments("refersplat"));
+    maps.agrees("refersplat", "langsplat", "refersplat");
+}
+
 /// A folder with what a method wrote as MeViS has it.
 pub(crate) fn folder() -> Dir {
     mevis().dir

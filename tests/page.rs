@@ -605,7 +605,7 @@ fn axe_finds_nothing_in_any_view_and_theme() {
     }
 }
 
-/// axe-core as a file, brought by pip into a folder of the project's own.
+/// axe-core as a file, brought by uv or pip into a folder of the project's own.
 fn axe() -> PathBuf {
     static AXE: LazyLock<PathBuf> = LazyLock::new(|| {
         let folder = root().join("work/page-tests");
@@ -618,12 +618,16 @@ fn axe() -> PathBuf {
                 assert!(status.success(), "{program} {arguments:?}");
             };
             let path = |relative: &str| folder.join(relative).display().to_string();
-            run("python3.11", &["-m", "venv", &path("")]);
-            let requirements = "tests/page/requirements.txt";
-            run(
-                &path("bin/pip"),
-                &["install", "--quiet", "--no-deps", "--require-hashes", "--requirement", requirements],
-            );
+            let pinned =
+                ["--quiet", "--no-deps", "--require-hashes", "--requirement", "tests/page/requirements.txt"];
+            if Command::new("uv").arg("--version").output().is_ok_and(|said| said.status.success()) {
+                run("uv", &["venv", "--quiet", "--python", "3.11", &path("")]);
+                let install = ["pip", "install", "--python", &path("bin/python")];
+                run("uv", &[&install[..], &pinned].concat());
+            } else {
+                run("python3.11", &["-m", "venv", &path("")]);
+                run(&path("bin/pip"), &[&["install"][..], &pinned].concat());
+            }
         }
         library
     });

@@ -149,7 +149,13 @@ fn stats_write_tables_and_figures_of_the_same_bytes_each_time() {
 fn what_cannot_be_composed_is_refused_before_anything_is_drawn() {
     let dir = Dir::new();
     dir.write("short", "secret");
-    dir.write("secret", [7; 32]);
+    dir.write("zeros", [0; 16]);
+    dir.write("secret", (0..32).collect::<Vec<u8>>());
+    let recipe = |scene: &str, seed: u64| {
+        format!(r#"{{"schema":"l4d/composition/1","scene":"{scene}","scale":"room","seed":{seed},"draw":0}}"#)
+    };
+    dir.write("room_1001.json", recipe("room_1001", 1001));
+    dir.write("room_0501.json", recipe("room_0501", 501));
     dir.write(
         "empty.json",
         r#"{"schema":"l4d/scenario/1","name":"room_a","scale":"room","groups":[],"events":[]}"#,
@@ -160,12 +166,86 @@ fn what_cannot_be_composed_is_refused_before_anything_is_drawn() {
         ("--split dev --seed 990 --count 20", vec!["seeds from 1000 on belong to training"]),
         ("--split private", vec!["needs a secret", "--secret"]),
         ("--split private --secret short", vec!["short", "at least 16"]),
+        ("--split private --secret zeros", vec!["zeros", "not random"]),
         ("--secret secret", vec!["--split private"]),
+        ("--split private --secret secret --spec room_1001.json", vec!["split train, not private"]),
+        ("--spec room_0501.json", vec!["split dev, not train"]),
+        ("--seed 9007199254740993", vec!["2^53"]),
+        ("--seed 18446744073709551615", vec!["2^53"]),
         ("--spec empty.json", vec!["empty.json", "events"]),
         ("--spec other.json", vec!["other.json", "schema"]),
         ("--avoid nowhere", vec!["nowhere"]),
     ] {
         dir.refuses(format!("compose --out set {arguments}"), &reasons);
     }
+    dir.run("compose --out set --spec room_1001.json --count 3").says(2, &["--count", "--spec"]);
     assert!(!dir.path("set").exists());
+}
+
+/// A copy of the development set, which is a composed one.
+fn dev_set() -> Dir {
+    let dir = Dir::new();
+    let sums = shipped("benchmark/dev/SHA256SUMS");
+    let files = sums.lines().map(|line| &line[66..]).chain(["SHA256SUMS", "panoptic-l4d.toml"]);
+    for file in files {
+        dir.write(&format!("set/{file}"), shipped(&format!("benchmark/dev/{file}")));
+    }
+    dir
+}
+
+/// Scenes that the development set has; no Blender is needed to compose what is there.
+const STANDING: &str = "compose --out set --split dev --scale room --seed 506 --count 3 --python nowhere";
+
+#[test]
+fn a_composed_set_that_was_changed_is_reported_and_never_digested_anew() {
+    let dir = dev_set();
+    let said = dir.succeed(STANDING);
+    said.says(0, &["nothing was composed: all 3 scenes were there"]);
+    assert_eq!(dir.json(STANDING)["composed"], 0);
+    // A manifest of its own stays as its owner wrote it.
+    let own = dir.read("set/panoptic-l4d.toml").replace("1.0.0", "3.2.1").replace("L4D composed", "of mine");
+    dir.write("set/panoptic-l4d.toml", &own);
+    dir.succeed(STANDING);
+    assert_eq!(dir.read("set/panoptic-l4d.toml"), own);
+    let sums = dir.read("set/SHA256SUMS");
+    for file in ["queries/room_0506.jsonl", "scenes/room_0507.json", "recipes/room_0508.json"] {
+        let path = format!("set/{file}");
+        let text = dir.read(&path);
+        dir.write(&path, text.clone() + "\n");
+        dir.refuses(STANDING, &["not as it was composed", file, "--force"]);
+        dir.write(&path, text);
+    }
+    // A scene that this run does not compose: --force cannot mend it either.
+    dir.edit("set/queries/tabletop_0511.jsonl", "{", "{ ");
+    for more in ["", " --force"] {
+        dir.refuses(format!("{STANDING}{more}"), &["tabletop_0511.jsonl", "compose their scenes again"]);
+    }
+    assert_eq!(dir.read("set/SHA256SUMS"), sums);
+}
+
+#[test]
+fn a_complete_scene_that_a_killed_run_left_is_in_the_manifest_after_the_next() {
+    let dir = dev_set();
+    let whole = dir.read("set/panoptic-l4d.toml");
+    dir.edit("set/panoptic-l4d.toml", "\"room_0507\", ", "");
+    dir.succeed(STANDING);
+    assert_eq!(dir.read("set/panoptic-l4d.toml"), whole);
+}
+
+#[test]
+fn a_private_set_has_one_secret() {
+    let dir = dev_set();
+    dir.write("secret", (0..32).collect::<Vec<u8>>());
+    dir.write("other", (1..33).collect::<Vec<u8>>());
+    dir.edit("set/panoptic-l4d.toml", "\"dev\"", "\"private\"");
+    let private = "compose --out set --split private --python nowhere --secret";
+    dir.refuses(format!("{private} secret"), &["scenes of a secret of which nothing is known"]);
+    // A new set keeps the digest before it has a scene.
+    let fresh = private.replace("--out set", "--out fresh");
+    dir.refuses(format!("{fresh} secret"), &[]);
+    let kept = dir.read("fresh/secret.sha256");
+    assert_eq!(kept.trim().len(), 64);
+    dir.refuses(format!("{fresh} other"), &["a private set of another secret"]);
+    dir.refuses("compose --out fresh --python nowhere", &["a private set", "another --out"]);
+    assert_eq!(dir.read("fresh/secret.sha256"), kept);
 }

@@ -53,11 +53,16 @@ fn capture_drawn_on(judged: &[&str]) -> Dir {
     dir
 }
 
-const IMPORT: &str =
+pub(crate) const IMPORT: &str =
     "import-scene neu3d table --masks drawn.json --masks-format coco --bench captures --scale tabletop";
 /// What judges real scenes.
 const REAL: &str = "--bench captures --profile real";
 const QUERIES: &str = "captures/queries/table.jsonl";
+
+/// A capture that is not imported yet, and what people drew on it.
+pub(crate) fn captured() -> Dir {
+    capture_drawn_on(&JUDGED)
+}
 
 /// A capture that was imported, with two queries.
 pub(crate) fn authored() -> Dir {

@@ -24,9 +24,7 @@ use self::interop::{ExportArgs, ImportArgs, ImportSceneArgs};
 use self::judging::{BaselineArgs, CheckResultsArgs, LeaderboardArgs, ScoreArgs};
 use self::models::{EndpointCommand, ProposePromptsArgs, ProposeScenesArgs};
 use self::publishing::{HostCommand, ReleaseArgs};
-use self::scenes::{
-    BuildScenesArgs, CheckScenesArgs, ComposeArgs, DoctorArgs, DrawVariantArgs, PythonArgs, SheetArgs,
-};
+use self::scenes::{BuildScenesArgs, CheckScenesArgs, ComposeArgs, DoctorArgs, PythonArgs, SheetArgs};
 use self::solver::{AblateArgs, QueryArgs, SolveArgs};
 use self::splats::{BenchCommand, RenderSplatsArgs, TrainSplatsArgs};
 
@@ -64,8 +62,6 @@ pub(crate) enum Command {
     Sheet(SheetArgs),
     /// Compose new scenes with proved queries from seeds: training sets, private tests
     Compose(ComposeArgs),
-    /// Show the scenes with other looks and keep the queries that still mean one thing
-    DrawVariant(DrawVariantArgs),
     /// Prove that each query has exactly one referent and real distractors
     CheckQueries(CheckQueriesArgs),
     /// Numbers, tables and figures of the set: comparison, words, sizes, visibility, motion, intervals
@@ -126,7 +122,6 @@ impl Command {
             Self::BuildScenes(args) => Some(&args.bench),
             Self::CheckScenes(args) => Some(&args.bench),
             Self::Sheet(args) => Some(&args.bench),
-            Self::DrawVariant(args) => Some(&args.bench),
             Self::Stats(args) => Some(&args.bench),
             Self::ProposePrompts(args) => Some(&args.bench),
             _ => None,
@@ -137,12 +132,10 @@ impl Command {
     pub(crate) fn how_to_go_on(&self) -> Option<&'static str> {
         match self {
             Self::VerifyPrompts(_) => None,
-            Self::Import(_) => Some("run the same command again, with --force if masks were written"),
             Self::TrainSplats(_) => Some("run the same command again: it goes on from the last checkpoint"),
             Self::Quickstart(_)
             | Self::BuildScenes(_)
             | Self::Compose(_)
-            | Self::DrawVariant(_)
             | Self::ProposePrompts(_)
             | Self::ProposeScenes(_)
             | Self::RenderSplats(_)
@@ -218,7 +211,7 @@ pub(crate) fn rendered(text: &str) -> Result<Profile, String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct QuickstartArgs {
-    /// Folder that receives everything
+    /// Folder that receives everything: empty, missing, or of an earlier quickstart
     #[arg(long, value_name = "DIR", default_value = "quickstart")]
     pub(crate) out: PathBuf,
     /// Folder of the benchmark
@@ -245,6 +238,13 @@ mod tests {
             verbs(&[words, &[verb.get_name().to_owned()]].concat(), verb, found);
         }
         found.push((words.to_vec(), command.clone()));
+    }
+
+    #[test]
+    fn no_verb_that_is_stopped_asks_for_force() {
+        let line = ["l4d", "import", "generic", "source"];
+        let advice = Cli::try_parse_from(line).unwrap().command.how_to_go_on().unwrap();
+        assert!(advice.starts_with("run the same command again: "), "{advice}");
     }
 
     #[test]

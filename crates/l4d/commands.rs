@@ -9,7 +9,6 @@ mod check_results;
 mod check_scenes;
 mod compose;
 mod doctor;
-mod draw_variant;
 mod endpoint;
 mod export;
 mod host;
@@ -51,7 +50,6 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::CheckScenes(args) => check_scenes::run(args, out),
         Command::Sheet(args) => sheet::run(args, out),
         Command::Compose(args) => compose::run(args, out),
-        Command::DrawVariant(args) => draw_variant::run(args, out),
         Command::CheckQueries(args) => check_queries::run(args, out),
         Command::Stats(args) => stats::run(args, out),
         Command::Endpoint(command) => endpoint::run(command, out),

@@ -9,7 +9,7 @@ mod views;
 
 #[cfg(feature = "board")]
 pub(crate) use self::{
-    stats::publish_stats,
+    stats::draw_stats,
     tradeoffs::{publish_lift, publish_splats},
     views::publish_views,
 };
@@ -22,11 +22,16 @@ mod left_out {
 
     use anyhow::Result;
     use l4d_experiments::lift::Benched;
+    use l4d_query::stats::SetStats;
 
     use crate::out::Printer;
 
     pub(crate) fn publish_lift(_: &Benched, _: &str, folder: &Path, out: &Printer) -> Result<Vec<PathBuf>> {
         publish_nothing(&(), folder, out)
+    }
+
+    pub(crate) fn draw_stats(stats: &SetStats, out: &Printer) -> Result<Vec<(String, Vec<u8>)>> {
+        publish_nothing(stats, Path::new(""), out).map(|_| Vec::new())
     }
 
     pub(crate) fn publish_nothing<T>(_: &T, _: &Path, out: &Printer) -> Result<Vec<PathBuf>> {
@@ -35,6 +40,5 @@ mod left_out {
     }
 
     pub(crate) use publish_nothing as publish_splats;
-    pub(crate) use publish_nothing as publish_stats;
     pub(crate) use publish_nothing as publish_views;
 }

@@ -12,6 +12,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use l4d_data::error::{inert, inert_lines};
 use l4d_data::{DataError, Progress, Report, StageError};
 use l4d_endpoint::EndpointError;
+use l4d_frames::exr::FrameError;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -210,9 +211,10 @@ pub(crate) fn table(rows: &[Vec<String>]) -> String {
     let layout: Vec<(usize, bool)> =
         (0..columns).map(|column| (width(column), cells(column).skip(1).all(is_number))).collect();
     let line = |row: &Vec<String>| {
-        let padded = row.iter().zip(&layout).map(|(cell, &(width, to_right))| match to_right {
-            true => format!("{cell:>width$}"),
-            false => format!("{cell:<width$}"),
+        let padded = row.iter().zip(&layout).map(|(cell, &(width, to_right))| {
+            // Widths of format strings end at 65 535.
+            let space = " ".repeat(width - cell.chars().count());
+            if to_right { space + cell } else { cell.clone() + &space }
         });
         padded.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     };
@@ -231,13 +233,14 @@ pub(crate) fn hint_of(error: &anyhow::Error) -> Option<String> {
     error.chain().find_map(|cause| {
         let refusal = cause.downcast_ref::<StageError>().map(|error| error.hint().to_owned());
         let data = || cause.downcast_ref::<DataError>().map(|error| error.hint().to_owned());
+        let frame = || Some(cause.downcast_ref::<FrameError>()?.data_error().hint().to_owned());
         let endpoint = || cause.downcast_ref::<EndpointError>().map(|error| error.hint().to_owned());
         let board = || hint_of_board(cause);
         let system = || {
             let kind = cause.downcast_ref::<io::Error>()?.kind();
             Some(DataError::io(Path::new(""), "", kind.into()).hint().to_owned())
         };
-        refusal.or_else(data).or_else(endpoint).or_else(board).or_else(system)
+        refusal.or_else(data).or_else(frame).or_else(endpoint).or_else(board).or_else(system)
     })
 }
 
@@ -252,4 +255,19 @@ fn hint_of_board(cause: &(dyn Error + 'static)) -> Option<String> {
 #[cfg(not(feature = "board"))]
 fn hint_of_board(_: &(dyn Error + 'static)) -> Option<String> {
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_of_any_length_is_laid_out() {
+        let long = "ä".repeat(70_000);
+        let row = |first: &str, second: &str| vec![first.to_owned(), second.to_owned()];
+        let text = table(&[row("sentence", "n"), row(&long, "7"), row("short", "12")]);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[1], format!("{long}   7"));
+        assert_eq!(lines[2], format!("short{}12", " ".repeat(70_000 - 5 + 2)));
+    }
 }

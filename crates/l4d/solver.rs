@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use l4d_data::workspace::SharedWork;
-use l4d_data::{Draw, Profile, Workspace};
+use l4d_data::{Profile, Workspace};
 use l4d_ground::geometric::Geometric;
 use l4d_ground::oracle::NoisePreset;
 use l4d_solve::grounders::Grounders;
@@ -32,8 +32,8 @@ impl MethodArgs {
 }
 
 impl WorkArgs {
-    pub(crate) fn space(&self, profile: Profile, draw: Draw) -> Workspace {
-        Workspace::new(profile, draw).with_data(self.data.as_deref()).with_work(&self.work)
+    pub(crate) fn space(&self, profile: Profile) -> Workspace {
+        Workspace::new(profile).with_data(self.data.as_deref()).with_work(&self.work)
     }
 }
 

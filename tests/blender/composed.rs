@@ -54,6 +54,14 @@ fn seeds_become_scenes_whose_queries_are_proved_and_scored() {
     std::fs::remove_file(set.join("scenes/tabletop_1001.json")).unwrap();
     succeed(&mut compose(&set, "--seed 1001 --count 3"));
     assert_eq!(sums(&set), whole);
+    // What was changed is reported; --force composes it again.
+    let edited = set.join("queries/room_1003.jsonl");
+    std::fs::write(&edited, "{}\n").unwrap();
+    let run: Run = compose(&set, "--seed 1001 --count 3").output().unwrap().into();
+    run.refused(&["queries/room_1003.jsonl", "--force"]);
+    succeed(&mut compose(&set, "--seed 1001 --count 3 --force"));
+    assert_eq!(sums(&set), whole);
+    assert!(std::fs::read_to_string(&edited).unwrap().contains("room_1003/001"));
     // Another seed of the same name is none of this set.
     let run: Run = compose(&set, "--seed 1001 --theme no_theme").output().unwrap().into();
     run.refused(&["tabletop_1001.json", "another composition"]);
@@ -109,12 +117,7 @@ fn goes_on_after(kills: u32, verb: &str, line: impl Fn(&str) -> Command) {
 }
 
 #[test]
-#[ignore = "slow: kills compose and draw-variant ten times each"]
+#[ignore = "slow: kills compose ten times"]
 fn verbs_that_draw_scenes_go_on_after_ten_kills() {
     goes_on_after(10, "compose", |out| compose(Path::new(out), "--seed 1001 --count 2"));
-    goes_on_after(10, "draw-variant", |out| {
-        let mut command = l4d("draw-variant 3 --profile tiny --scenes tabletop_tea --out");
-        command.arg(format!("{out}/set")).args(["--data", &format!("{out}/data")]);
-        command
-    });
 }

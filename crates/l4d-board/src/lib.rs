@@ -27,12 +27,12 @@ mod sample;
 
 pub use board::Board;
 pub use charts::{
-    Chart, Layout, Panel, TradePoint, Tradeoff, Trend, TrendPanel, TrendPoint, publish_charts,
-    publish_tradeoff, publish_trend,
+    Chart, Layout, Panel, TradePoint, Tradeoff, Trend, TrendPanel, TrendPoint, draw_charts, publish_tradeoff,
+    publish_trend,
 };
 pub use error::BoardError;
 pub use gather::gather;
-pub use page::{Backdrop, LONGEST_SIDE_PX, Media, publish_page};
+pub use page::{Backdrop, LONGEST_SIDE_PX, Media};
 pub use protocols::{ProtocolRow, ProtocolTable};
 pub use publish::publish;
 pub use terminal::{text_statistics, text_table};

@@ -11,7 +11,9 @@ mod scene;
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
+use l4d_data::Report;
 use l4d_data::store::AtomicFile;
 use l4d_score::Exam;
 use rayon::prelude::*;
@@ -24,6 +26,9 @@ use self::overview::Overview;
 use crate::board::Board;
 use crate::error::BoardError;
 
+/// Its name.
+pub(crate) const PAGE: &str = "index.html";
+
 /// Where the page finds pictures and masks.
 pub struct Media<'a> {
     /// The truth.
@@ -32,15 +37,17 @@ pub struct Media<'a> {
     pub results: Option<&'a Path>,
     /// Pictures of the held-out camera.
     pub backdrop: &'a Backdrop<'a>,
+    /// What is wrong with masks that are not shown.
+    pub found: &'a Mutex<Report>,
 }
 
-/// Writes `index.html` into `folder`; gives its path. Scenes are made as they are written, as many at once as there are
+/// Writes it into `folder`; gives its path. Scenes are made as they are written, as many at once as there are
 /// threads.
 ///
 /// # Errors
 /// Truth that is damaged, and what the disk refuses.
-pub fn publish_page(board: &Board, media: &Media, folder: &Path) -> Result<PathBuf, BoardError> {
-    let path = folder.join("index.html");
+pub(crate) fn write(board: &Board, media: &Media, folder: &Path) -> Result<PathBuf, BoardError> {
+    let path = folder.join(PAGE);
     let mut file = AtomicFile::create(&path)?;
     let failed = |error: io::Error| BoardError::write(&path, error);
     let title = format!("{} {}: leaderboard", board.heading.benchmark, board.heading.on.benchmark_version);

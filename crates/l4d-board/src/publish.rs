@@ -3,20 +3,29 @@
 
 use std::path::{Path, PathBuf};
 
-use l4d_data::store::{AtomicFile, write_atomic};
+use l4d_data::store::{AtomicFile, Claim, Earlier, write_atomic};
 use rayon::prelude::*;
 
 use crate::board::Board;
 use crate::error::BoardError;
 use crate::figures;
+use crate::page::{self, Media, PAGE};
 use crate::{latex, layout, markdown, tables};
 
-/// Writes the document, tables and figures into `folder`, each file through a temporary neighbour and rename; gives the
-/// paths in order. Files of other names stay.
+const DOCUMENT: &str = "board.json";
+
+/// Writes the document, tables, figures and, where there are `media`, the page into `folder`, each file through a
+/// temporary neighbour and rename; gives the paths in order. Files of other names stay.
 ///
 /// # Errors
-/// What polars, plotters or the disk refuses.
-pub fn publish(board: &Board, folder: &Path) -> Result<Vec<PathBuf>, BoardError> {
+/// Files of these names that l4d did not write, unless `force`; a folder that another run writes into; damaged truth; and
+/// what polars, plotters or the disk refuses.
+pub fn publish(
+    board: &Board,
+    folder: &Path,
+    media: Option<&Media<'_>>,
+    force: bool,
+) -> Result<Vec<PathBuf>, BoardError> {
     let mut files = vec![
         ("leaderboard.csv".to_owned(), tables::leaderboard(board)?),
         ("per_category.csv".to_owned(), tables::per_group(board, "category")?),
@@ -45,11 +54,18 @@ pub fn publish(board: &Board, folder: &Path) -> Result<Vec<PathBuf>, BoardError>
     // The page comes last: when it is new, so is everything that it shows.
     files.push(("leaderboard.md".to_owned(), markdown::page(board, &figures).into_bytes()));
 
-    let mut paths = vec![publish_document(board, folder.join("board.json"))?];
+    let page = media.map(|_| PAGE).into_iter().chain([DOCUMENT]).map(str::to_owned);
+    let names = files.iter().map(|(name, _)| name.clone()).chain(page).collect();
+    let earlier = Earlier { file: DOCUMENT, says: "\"l4d/board/" };
+    let _claim = Claim::take(folder, names, Some(earlier), force)?;
+    let mut paths = vec![publish_document(board, folder.join(DOCUMENT))?];
     for (name, bytes) in files {
         let path = folder.join(name);
         write_atomic(&path, &bytes)?;
         paths.push(path);
+    }
+    if let Some(media) = media {
+        paths.push(page::write(board, media, folder)?);
     }
     Ok(paths)
 }
@@ -70,11 +86,10 @@ mod tests {
     #[test]
     fn a_second_run_gives_the_same_bytes_and_leaves_other_files() {
         let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("leaderboard.csv"), "old").unwrap();
         std::fs::write(folder.path().join("notes.txt"), "mine").unwrap();
         let board = sample::answered(sample::hand_made());
         let publish = || {
-            let paths = publish(&board, folder.path()).unwrap();
+            let paths = publish(&board, folder.path(), None, false).unwrap();
             paths.into_iter().map(|path| (path.clone(), std::fs::read(path).unwrap())).collect::<Vec<_>>()
         };
         let first = publish();
@@ -91,7 +106,7 @@ mod tests {
     fn the_document_reads_back_as_it_was() {
         let folder = tempfile::tempdir().unwrap();
         let board = sample::answered(sample::hand_made());
-        publish(&board, folder.path()).unwrap();
+        publish(&board, folder.path(), None, false).unwrap();
         let path = folder.path().join("board.json");
         assert_eq!(Board::read(&path).unwrap(), board);
         let text = std::fs::read_to_string(&path).unwrap();
@@ -105,7 +120,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let blocked = folder.path().join("file");
         std::fs::write(&blocked, "a file").unwrap();
-        let error = publish(&sample::board(1), &blocked).unwrap_err();
+        let error = publish(&sample::board(1), &blocked, None, false).unwrap_err();
         assert!(error.to_string().contains("file"), "{error}");
     }
 }

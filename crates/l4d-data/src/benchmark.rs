@@ -27,7 +27,7 @@ pub struct Manifest {
     /// What it may be used for.
     #[serde(default)]
     pub split: SetSplit,
-    /// Which permutation of looks, roles, layout and cameras its scenes are; 0 is the benchmark.
+    /// Always 0: recipes have one draw.
     #[serde(default)]
     pub variant: u32,
     /// Seed of everything random in its scenes; 0 is the benchmark.
@@ -52,10 +52,10 @@ pub enum SetSplit {
     Private,
 }
 
-/// One draw of the recipes: 0 and 0 is the benchmark, others permute looks, roles, layout and cameras.
+/// What a scene says of the draw that it is: 0 and 0 for recipes in Python, 0 and its seed for a composed one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Draw {
-    /// Which permutation.
+    /// Always 0.
     pub variant: u32,
     /// Seed of everything random.
     pub seed: u64,

@@ -14,6 +14,7 @@ use crate::error::DataError;
 use crate::json::{self, Document};
 use crate::name::Name;
 use crate::rle::Rle;
+use crate::store::holds;
 use crate::truth::frame_key;
 
 /// Schema tag of `capture.json`.
@@ -152,13 +153,25 @@ impl MaskSet {
         json::read_document(&folder.join(MASKS))
     }
 
-    /// Writes the file into the folder of the capture.
+    /// Whether the folder of the capture has these masks already.
     ///
     /// # Errors
-    /// What the disk refuses.
-    pub fn write(&self, folder: &Path) -> Result<PathBuf, DataError> {
+    /// Other masks that are there, unless `force`.
+    pub fn is_in(&self, folder: &Path, force: bool) -> Result<bool, DataError> {
         let path = folder.join(MASKS);
-        json::write_compact(&path, self)?;
+        let remedy = "give another --out, or replace them with --force";
+        holds(&path, &json::compact(&path, self)?, force, remedy)
+    }
+
+    /// Writes the file into the folder of the capture, unless it is there.
+    ///
+    /// # Errors
+    /// Other masks that are there, unless `force`, and what the disk refuses.
+    pub fn write(&self, folder: &Path, force: bool) -> Result<PathBuf, DataError> {
+        let path = folder.join(MASKS);
+        if !self.is_in(folder, force)? {
+            json::write_compact(&path, self)?;
+        }
         Ok(path)
     }
 }

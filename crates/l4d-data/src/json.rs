@@ -111,9 +111,17 @@ pub fn write<T: Serialize>(path: &Path, value: &T) -> Result<(), DataError> {
 /// # Errors
 /// What the disk refuses.
 pub fn write_compact<T: Serialize>(path: &Path, value: &T) -> Result<(), DataError> {
+    write_atomic(path, &compact(path, value)?)
+}
+
+/// The bytes of a document on one line with a final newline; `path` is where it is to go.
+///
+/// # Errors
+/// What cannot be JSON.
+pub fn compact<T: Serialize>(path: &Path, value: &T) -> Result<Vec<u8>, DataError> {
     let mut text = serde_json::to_string(value).map_err(|error| unwritable(path, &error))?;
     text.push('\n');
-    write_atomic(path, text.as_bytes())
+    Ok(text.into_bytes())
 }
 
 /// Writes one value per line.

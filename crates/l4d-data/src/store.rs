@@ -1,13 +1,15 @@
 //! Reading whole files with a bound, and writing them so that a kill leaves the old file or the new one.
 
 mod atomic;
+mod claim;
 mod lock;
 
 use std::fs::{self, File, Metadata};
 use std::io::{self, Read as _};
 use std::path::Path;
 
-pub use self::atomic::{AtomicFile, Temporary, sweep};
+pub use self::atomic::{AtomicFile, Temporary, folder_of, sweep};
+pub use self::claim::{Claim, Earlier};
 pub use self::lock::FolderLock;
 use crate::error::DataError;
 
@@ -71,6 +73,21 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), DataError> {
     let mut file = AtomicFile::create(path)?;
     file.write(bytes)?;
     file.commit()
+}
+
+/// Whether the file is there with just these bytes.
+///
+/// # Errors
+/// A file with other bytes, unless they may be replaced; `remedy` says how.
+pub fn holds(path: &Path, bytes: &[u8], force: bool, remedy: &str) -> Result<bool, DataError> {
+    if fs::symlink_metadata(path).is_err() {
+        return Ok(false);
+    }
+    let is_same = read_bounded(path, bytes.len() as u64).is_ok_and(|found| found == bytes);
+    if !is_same && !force {
+        return Err(DataError::invalid(path, "file", "is there with other content", remedy));
+    }
+    Ok(is_same)
 }
 
 /// Makes a folder and its parents.

@@ -16,6 +16,9 @@ use crate::timeline::{Interval, Profile};
 
 /// Schema tag of a truth file.
 pub const SCHEMA: &str = "l4d/truth/1";
+/// Pixels of an instance that a picture of a training view may have more or less when another machine renders it: where
+/// two surfaces are equally far to the last bit, processors choose differently. One is what was seen.
+pub const TRAINING_VIEW_TOLERANCE_PX: u32 = 4;
 /// Frames have four digits in files.
 const MAX_FRAME: u32 = 9_999;
 
@@ -58,7 +61,7 @@ pub struct Truth {
     pub scene: Name,
     /// Spatial scale, so that scores by scale need no tracks.
     pub scale: Scale,
-    /// Variant of the recipe.
+    /// Always 0.
     pub variant: u32,
     /// Profile that was rendered.
     pub profile: Profile,
@@ -91,6 +94,30 @@ impl Truth {
     /// The instance of that name.
     pub fn instance(&self, name: &str) -> Option<&InstanceTruth> {
         self.instances.iter().find(|instance| instance.name.as_str() == name)
+    }
+
+    /// Whether both may be of one scene, rendered by two machines: the held-out view is the same to the pixel, and the
+    /// others are within [`TRAINING_VIEW_TOLERANCE_PX`].
+    pub fn agrees_with(&self, other: &Self) -> bool {
+        let rest = |truth: &Self| Self { visible: BTreeMap::new(), ..truth.clone() };
+        let of_view = |(view, counts): (&Name, &BTreeMap<Name, Vec<u32>>)| {
+            other.visible.get(view).is_some_and(|others| {
+                counts.len() == others.len()
+                    && counts.iter().all(|(name, counts)| {
+                        others.get(name).is_some_and(|others| self.counts_agree(view, counts, others))
+                    })
+            })
+        };
+        self.visible.len() == other.visible.len()
+            && self.visible.iter().all(of_view)
+            && rest(self) == rest(other)
+    }
+
+    /// The same of the counts of an instance in a view.
+    pub fn counts_agree(&self, view: &Name, counts: &[u32], others: &[u32]) -> bool {
+        let tolerance = if *view == self.test_view { 0 } else { TRAINING_VIEW_TOLERANCE_PX };
+        counts.len() == others.len()
+            && counts.iter().zip(others).all(|(count, other)| count.abs_diff(*other) <= tolerance)
     }
 
     /// All frames of the clip, annotated or not, ascending.

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::benchmark::Draw;
 use crate::layout::{CaptureDir, SceneDir, WorkDir};
 use crate::timeline::Profile;
 
@@ -15,14 +14,9 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// `data/<profile>` or `data/<profile>-v<variant>`, `data/captures` for captures, and `work`, relative to the
-    /// working folder.
-    pub fn new(profile: Profile, draw: Draw) -> Self {
-        let data = match draw.variant {
-            _ if !profile.is_rendered() => "data/captures".to_owned(),
-            0 => format!("data/{profile}"),
-            variant => format!("data/{profile}-v{variant}"),
-        };
+    /// `data/<profile>`, `data/captures` for captures, and `work`, relative to the working folder.
+    pub fn new(profile: Profile) -> Self {
+        let data = if profile.is_rendered() { format!("data/{profile}") } else { "data/captures".to_owned() };
         Self { profile, data: data.into(), work: "work".into() }
     }
 
@@ -60,11 +54,6 @@ impl Workspace {
     /// `<data>/<scene>`, of a scene that others recorded.
     pub fn capture(&self, scene: &str) -> CaptureDir {
         CaptureDir::new(&self.data, scene)
-    }
-
-    /// `<data>/benchmark`: tracks and truth of a draw that is not the benchmark's.
-    pub fn private_benchmark(&self) -> PathBuf {
-        self.data.join("benchmark")
     }
 
     /// `<data>/overview.png`.
@@ -182,14 +171,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn folders_follow_profile_and_draw_unless_they_are_given() {
-        let draw = Draw { variant: 2, seed: 0 };
-        let data = |profile, draw| Workspace::new(profile, draw).data().to_owned();
-        assert_eq!(data(Profile::Tiny, Draw::default()), Path::new("data/tiny"));
-        assert_eq!(data(Profile::Small, draw), Path::new("data/small-v2"));
-        assert_eq!(data(Profile::Real, draw), Path::new("data/captures"));
-        let given =
-            Workspace::new(Profile::Tiny, draw).with_data(Some(Path::new("d"))).with_work(Path::new("w"));
+    fn folders_follow_the_profile_unless_they_are_given() {
+        let data = |profile| Workspace::new(profile).data().to_owned();
+        assert_eq!(data(Profile::Tiny), Path::new("data/tiny"));
+        assert_eq!(data(Profile::Real), Path::new("data/captures"));
+        let given = Workspace::new(Profile::Tiny).with_data(Some(Path::new("d"))).with_work(Path::new("w"));
         assert_eq!(given.scene("room").root(), Path::new("d/room"));
         assert_eq!(given.work("room").splats(), Path::new("w/tiny/room/splats"));
         assert_eq!(given.ablation("mvsc"), Path::new("w/tiny/ablations/mvsc"));

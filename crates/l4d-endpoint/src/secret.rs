@@ -100,9 +100,10 @@ impl Redactor {
                 clean.char_indices().filter(|(_, letter)| !is_invisible(*letter)).collect();
             let (mut redacted, mut end, mut next) = (String::with_capacity(clean.len()), 0, 0);
             while let Some(window) = visible.get(next..next + key.len()) {
-                let is_key = window.iter().zip(key).all(|((_, letter), byte)| {
-                    letter.eq_ignore_ascii_case(&char::from(*byte))
-                });
+                let is_key = window
+                    .iter()
+                    .zip(key)
+                    .all(|((_, letter), byte)| letter.eq_ignore_ascii_case(&char::from(*byte)));
                 if is_key {
                     redacted.push_str(&clean[end..window[0].0]);
                     redacted.push_str(REDACTED);
@@ -118,7 +119,7 @@ impl Redactor {
     }
 }
 
-/// Whether nobody sees a letter, so that a text with it reads like one without: no key holds any.
+/// Whether no one sees a letter, so that a text with it reads like one without: no key holds any.
 fn is_invisible(letter: char) -> bool {
     let is_mark = matches!(
         letter,
@@ -150,8 +151,23 @@ mod tests {
 
     #[test]
     fn a_key_is_taken_out_whatever_is_between_its_letters_and_nothing_else() {
-        let invisible = ["", "\0", "\u{1b}", "\u{7f}", "\u{85}", "\r\n", "\u{ad}", "\u{200b}", "\u{200d}\u{2060}",
-            "\u{202e}", "\u{2028}", "\u{feff}", "\u{fe0f}", "\u{e0041}", "\u{3164}"];
+        let invisible = [
+            "",
+            "\0",
+            "\u{1b}",
+            "\u{7f}",
+            "\u{85}",
+            "\r\n",
+            "\u{ad}",
+            "\u{200b}",
+            "\u{200d}\u{2060}",
+            "\u{202e}",
+            "\u{2028}",
+            "\u{feff}",
+            "\u{fe0f}",
+            "\u{e0041}",
+            "\u{3164}",
+        ];
         for between in invisible {
             for key in [KEY.to_owned(), KEY.to_uppercase(), KEY.to_lowercase()] {
                 let echo = spaced(&key, between);
@@ -166,7 +182,8 @@ mod tests {
 
     #[test]
     fn strings_of_a_document_are_read_before_keys_are_looked_for() {
-        let escaped: String = KEY.chars().map(|letter| format!("\\u{:04x}\\u200b", u32::from(letter))).collect();
+        let escaped: String =
+            KEY.chars().map(|letter| format!("\\u{:04x}\\u200b", u32::from(letter))).collect();
         let json = Value::from(KEY).to_string().replace('/', "\\/");
         for echo in [format!("\"{escaped}\""), json] {
             let body = format!("{{\"a\": [{{\"b\": {echo}}}], {echo}: 1.50}}");

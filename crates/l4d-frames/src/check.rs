@@ -17,7 +17,7 @@ use std::path::Path;
 use l4d_data::layout::{BenchDir, SceneDir};
 use l4d_data::scene::Scene;
 use l4d_data::tracks::Tracks;
-use l4d_data::{Draw, Name, Profile, Report};
+use l4d_data::{Name, Profile, Report};
 use serde::Serialize;
 
 use crate::geometry::Summary;
@@ -32,8 +32,6 @@ pub struct Request<'a> {
     pub data: &'a Path,
     /// Benchmark folder with tracks, queries and truth.
     pub bench: &'a BenchDir,
-    /// Which draw of the recipes that folder describes; tracks and truth of others are beside their frames.
-    pub draw: Draw,
     /// Expected profile.
     pub profile: Profile,
     /// Scene.
@@ -71,9 +69,6 @@ pub fn check_scene(request: Request, tick: &dyn Fn()) -> (Option<SceneStats>, Re
         }
     };
     contract::check_header(&scene, request, &dir, &mut report);
-    let variants = BenchDir::new(request.data.join("benchmark"));
-    let of_benchmark = Draw { variant: scene.variant, seed: scene.seed } == request.draw;
-    let request = if of_benchmark { request } else { Request { bench: &variants, ..request } };
     let truth = match TruthBuilder::new(&scene) {
         Some(truth) if scene.profile == request.profile && scene.name == *request.scene => truth,
         _ => return (None, report),
@@ -91,7 +86,7 @@ pub fn check_scene(request: Request, tick: &dyn Fn()) -> (Option<SceneStats>, Re
     if seen.complete {
         truth::compare_with_committed(&seen.truth, request, &mut report);
     }
-    if seen.complete && scene.profile != Profile::Tiny && of_benchmark {
+    if seen.complete && scene.profile != Profile::Tiny {
         gates::check(&seen.truth, &scene, request, &mut report);
     }
     let stats = SceneStats {
@@ -106,7 +101,6 @@ pub fn check_scene(request: Request, tick: &dyn Fn()) -> (Option<SceneStats>, Re
     (Some(stats), report)
 }
 
-/// Variants and other seeds have tracks and truth of their own, in `<data>/benchmark`, and no queries.
 fn read_tracks(request: Request, report: &mut Report) -> Option<Tracks> {
     Tracks::read(&request.bench.tracks(request.scene))
         .map_err(|error| report.data_error("L4D112", &error))

@@ -50,9 +50,9 @@ impl Finding {
 /// Percentages are under `document["methods"]`; a method with an error finding is not among them, and
 /// `document["findings"]` says why. `set` is `"queries"` or `"composites"`; `scenes` are all by default; `missing` is
 /// `"error"`, `"zero"` or `"skip"`; mAcc counts frames whose IoU is above `hit_iou`. `counts.csv` and `summary.json` of
-/// each method are written below `scores`, or nowhere. A method with more than `max_megabytes` of masks is not read.
+/// each method are written below `scores`, or nowhere; files of others there are replaced only if `force` is set. A method with more than `max_megabytes` of masks is not read.
 #[pyfunction]
-#[pyo3(signature = (results, benchmark, *, set = "queries", scenes = None, missing = "error", hit_iou = 0.0, verified_only = false, resize = false, scores = None, max_megabytes = 4000))]
+#[pyo3(signature = (results, benchmark, *, set = "queries", scenes = None, missing = "error", hit_iou = 0.0, verified_only = false, resize = false, scores = None, max_megabytes = 4000, force = false))]
 #[expect(clippy::too_many_arguments, reason = "those of the verb")]
 pub(crate) fn score<'py>(
     py: Python<'py>,
@@ -66,6 +66,7 @@ pub(crate) fn score<'py>(
     resize: bool,
     scores: Option<PathBuf>,
     max_megabytes: u64,
+    force: bool,
 ) -> Result<Bound<'py, PyAny>> {
     let missing = choice("missing", missing, &["error", "zero", "skip"])?;
     if !(0.0..1.0).contains(&hit_iou) {
@@ -79,7 +80,7 @@ pub(crate) fn score<'py>(
         exam.most_bytes = max_megabytes.saturating_mul(MEGABYTE);
         let nowhere = tempfile::tempdir().map_err(|error| Failure::of_chain(&error))?;
         let folder = scores.as_deref().unwrap_or(nowhere.path());
-        let mut scored = score_results(&results, &exam, &options, folder, |_| {})?;
+        let mut scored = score_results(&results, &exam, &options, folder, force, |_| {})?;
         report.extend(std::mem::take(&mut scored.report));
         scored.report = report;
         Ok::<_, Failure>(scored.into_document(&exam))

@@ -153,7 +153,7 @@ impl Splats {
         depth: Depth,
     ) -> Result<Values> {
         let background = background.or(self.source.background).unwrap_or_default();
-        let settings = RasterSettings { background, ..RasterSettings::default() };
+        let settings = RasterSettings { background, near_m: self.source.near_m, ..RasterSettings::default() };
         let view = |frame: u32| View::of_camera(&camera.camera, frame, camera.size, size);
         let moment = |&(frame, time): &(u32, f32)| {
             let view = view(frame).map_err(|error| Failure::of_chain(&error))?;

@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scenes: Vec<String> = arguments.collect();
     let mut report = Report::default();
     let exam = Exam::open(Benchmark::open("benchmark")?, profile, QuerySet::Queries, &scenes, &mut report)?;
-    let scored = score_results(&results, &exam, &Options::default(), &scores, |_| {})?;
+    let scored = score_results(&results, &exam, &Options::default(), &scores, false, |_| {})?;
     match scored.report.into_sorted().iter().find(|finding| finding.severity == Severity::Error) {
         None => Ok(()),
         Some(finding) => Err(format!("{}: {}", finding.path, finding.message).into()),

@@ -8,7 +8,7 @@ use l4d_data::digest::sha256;
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::{MaskFile, MethodCard, Used};
 use l4d_data::scene::Role;
-use l4d_data::store::{read_bounded, write_atomic};
+use l4d_data::store::{holds, write_atomic};
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, Query, Temporal};
 use l4d_masks::Mask;
@@ -176,16 +176,9 @@ fn line(text: serde_json::Result<String>) -> Vec<u8> {
 
 /// Whether the file is there with these bytes; other bytes are an error unless they may be replaced.
 fn is_current(path: &Path, bytes: &[u8], force: bool) -> Result<bool, DataError> {
-    if fs::symlink_metadata(path).is_err() {
-        return Ok(false);
-    }
-    let is_same = read_bounded(path, bytes.len() as u64).is_ok_and(|found| found == bytes);
-    if !is_same && !force {
-        let message = "is there with other content, perhaps of another seed, profile or version";
-        let remedy = "pass --force to replace it, or another --results";
-        return Err(DataError::invalid(path, "file", message, remedy));
-    }
-    Ok(is_same)
+    let remedy =
+        "it may be of another seed, profile or version: pass --force to replace it, or another --results";
+    holds(path, bytes, force, remedy)
 }
 
 fn write_unless_current(path: &Path, bytes: &[u8], force: bool) -> Result<bool, DataError> {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::MethodCard;
-use l4d_data::store::AtomicFile;
+use l4d_data::store::{AtomicFile, Claim, Earlier, FolderLock};
 use l4d_data::{DataError, Query, QueryId, Report, json};
 use rayon::prelude::*;
 use serde_json::Value;
@@ -17,7 +17,7 @@ use crate::judge::{Answer, QueryJudge};
 use crate::metrics::{Missing, Options, QueryFacts, QueryTally};
 use crate::reading::{Holes, SceneReader};
 use crate::results::{PROTOCOL, admit, each_method, find_methods, read_card};
-use crate::summary::Summary;
+use crate::summary::{SCHEMA, Summary};
 
 /// Scores of all methods of a folder that have no error.
 #[derive(Debug)]
@@ -45,27 +45,32 @@ impl Scored {
     }
 }
 
+const COUNTS: &str = "counts.csv";
+const SUMMARY: &str = "summary.json";
+
 /// Where the counts of a method are written.
 pub fn counts_path(scores: &Path, method: &str) -> PathBuf {
-    scores.join(method).join("counts.csv")
+    scores.join(method).join(COUNTS)
 }
 
 /// Where the summary of a method is written.
 pub fn summary_path(scores: &Path, method: &str) -> PathBuf {
-    scores.join(method).join("summary.json")
+    scores.join(method).join(SUMMARY)
 }
 
 /// Scores one method or a folder of them into `scores/<method>/`. A method with an error finding is not scored and
-/// the scores that it had before stay. `progress` gets the name of each method that
-/// was read.
+/// the scores that it had before stay. Files of others are replaced only if `force` is set. `progress` gets the name of
+/// each method that was read.
 ///
 /// # Errors
-/// No query to score, a folder that cannot be listed, truth that is damaged, and what the disk refuses.
+/// No query to score, a folder that cannot be listed, truth that is damaged, scores that another run writes or that are
+/// not l4d's, and what the disk refuses.
 pub fn score_results(
     root: &Path,
     exam: &Exam,
     options: &Options,
     scores: &Path,
+    force: bool,
     progress: impl Fn(&str),
 ) -> Result<Scored, DataError> {
     let mut report = Report::default();
@@ -79,8 +84,9 @@ pub fn score_results(
         };
         return Err(DataError::invalid(exam.bench.root(), place, message, remedy));
     }
+    let _lock = FolderLock::take(scores)?;
     let summaries = each_method(root, exam, options.resize, &mut report, progress, |dir, card, found| {
-        score_method(dir, card, exam, options, scores, found)
+        score_method(dir, card, exam, options, (scores, force), found)
     })?;
     if let Some(first) = summaries.first() {
         report_never_present(first, exam, &mut report);
@@ -93,9 +99,12 @@ fn score_method(
     card: MethodCard,
     exam: &Exam,
     options: &Options,
-    scores: &Path,
+    (scores, force): (&Path, bool),
     report: &mut Report,
 ) -> Result<Option<Summary>, DataError> {
+    let earlier = Earlier { file: SUMMARY, says: SCHEMA };
+    let names = [COUNTS, SUMMARY].map(str::to_owned).to_vec();
+    let _claim = Claim::take(&scores.join(card.name.as_str()), names, Some(earlier), force)?;
     // Query by query; the file appears when all rows are there.
     let mut file = AtomicFile::create(&counts_path(scores, &card.name))?;
     file.write(&to_csv(&[], true))?;

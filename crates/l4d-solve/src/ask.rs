@@ -19,13 +19,13 @@ use serde_json::{Value, json};
 
 pub use self::answer::{Answer, Status};
 use self::known::Known;
-use self::views::{CameraView, camera_views, pixels, wanted, write_masks};
+use self::views::{CameraView, camera_views, mask_name, pixels, wanted, write_masks};
 use crate::account::{Account, Stage, word};
 use crate::grounders::Grounders;
 use crate::method::MethodChoice;
 use crate::scene::{Places, SolveScene};
 use crate::show::Shown;
-use crate::solve::{Method, Solved};
+use crate::solve::{Method, Solved, claim};
 
 /// The answer at some moments.
 const SHEET: &str = "sheet.png";
@@ -66,6 +66,8 @@ pub struct Ask<'a> {
     pub size: Option<[u32; 2]>,
     /// Receives masks and pictures; none for a folder of the work.
     pub out: Option<&'a Path>,
+    /// Whether files of others in it are replaced.
+    pub force: bool,
 }
 
 /// What came of it.
@@ -152,6 +154,9 @@ fn answer(
     let plan = wanted(order, question.range, &scene, places)?;
     let folder = folder(order, &places.work, &method.made_from(&scene, &question));
     let dir = AnswerDir::new(&folder);
+    let masks = plan.pictures().map(|index| mask_name(&plan, index));
+    let pictures = [SHEET, "overlay.mp4", "overlay.png"].map(str::to_owned);
+    let _claim = claim(&dir, masks.chain(pictures).collect(), order.force)?;
     progress.start("grounding", scene.clips.len() as u64);
     let mut solved = method.solve(&scene, &question, &dir, &|| progress.advance(1))?;
     progress.finish();

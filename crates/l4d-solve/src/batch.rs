@@ -27,7 +27,7 @@ use crate::account::{Account, Stage};
 use crate::clips::{PictureIndex, Plan};
 use crate::grounders::Grounders;
 use crate::scene::{ClipSettings, Places, SolveScene};
-use crate::solve::{Method, Record, SolveSettings};
+use crate::solve::{Method, Record, SolveSettings, claim};
 
 /// A method and where its answers go.
 pub struct Batch<'a> {
@@ -131,7 +131,8 @@ impl Batch<'_> {
             if let Some(record) = self.finished(query, &dir, &made_from) {
                 return Ok(record);
             }
-            self.refuse_other(&dir, &made_from)?;
+            self.refuse_other(query, &dir, &made_from)?;
+            let _claim = claim(&dir, Vec::new(), self.overwrite)?;
             let mut solved = method.solve(&scene, &question, &dir, &|| {})?;
             let (lifted, account) = (solved.lifted.take(), &mut solved.account);
             let masks =
@@ -177,7 +178,12 @@ impl Batch<'_> {
     }
 
     /// Answers of another version or with other settings are not mixed in under one name.
-    fn refuse_other(&self, dir: &AnswerDir, made_from: &str) -> Result<(), StageError> {
+    fn refuse_other(&self, query: &Query, dir: &AnswerDir, made_from: &str) -> Result<(), StageError> {
+        let masks = self.results_dir().mask_file(&query.id);
+        if masks.exists() && !self.overwrite {
+            // Somebody's own file is no such document.
+            json::read::<MaskFile>(&masks)?;
+        }
         match Record::read(dir) {
             Some(record) if record.made_from != made_from && !self.overwrite => Err(StageError::new(
                 format!("{}: was answered from other clips or with other settings", dir.root().display()),

@@ -25,6 +25,7 @@ use l4d_splat::clip::{Moment, draw};
 use l4d_splat::language::Language;
 use l4d_splat::model::Model;
 use l4d_splat::raster::{Drawing, RasterSettings, Rasterizer};
+use l4d_splat::source::Source;
 use rayon::prelude::*;
 
 pub use self::folder::{ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, ModelEntry, Overwrite};
@@ -56,7 +57,11 @@ pub fn complete(
     };
     let moments = (0..plan.instants.len()).map(moment).collect::<Result<Vec<_>, _>>()?;
     let look = folder.look();
-    let settings = RasterSettings { background: look.background, ..RasterSettings::default() };
+    let settings = RasterSettings {
+        background: look.background,
+        near_m: look.model.near_m,
+        ..RasterSettings::default()
+    };
     let entries = Mutex::new(finished);
     let written = |index, entry| {
         if let Ok(mut entries) = entries.lock() {
@@ -83,20 +88,22 @@ pub fn complete(
 pub fn write_language(
     folder: &Path,
     plan: &Plan,
-    (model, language): (&Model, &Language),
+    (source, language): (&Source, &Language),
     rasterizer: &dyn Rasterizer,
 ) -> Result<(), StageError> {
     let plain = |error: &dyn std::error::Error| {
         StageError::of(error, "check that the model is whole: train or export it again")
     };
     let [width, height] = plan.size.map(|side| side as usize);
+    let settings = RasterSettings { near_m: source.near_m, ..RasterSettings::default() };
+    let model = &source.model;
     for (place, instant) in plan.instants.iter().enumerate() {
         let time = model.own_time(instant.time).map_err(|error| plain(&error))?;
         let splats = model.at(instant.time).map_err(|error| plain(&error))?;
         let latents = language.at(&model.gaussians.means, time).map_err(|error| plain(&error))?;
         for (index, camera) in plan.cameras.iter().enumerate() {
             let view = plan.view(PictureIndex { view: index, instant: place })?;
-            let projected = rasterizer.prepare(&splats, &view, &RasterSettings::default());
+            let projected = rasterizer.prepare(&splats, &view, &settings);
             let values = projected.and_then(|projected| projected.splat_features(&latents, language.width));
             let values = values.map_err(|error| plain(&error))?;
             let bytes = npy::encode_f32(&[height, width, language.width], &values);

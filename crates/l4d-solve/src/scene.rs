@@ -144,7 +144,7 @@ impl SolveScene {
             profile,
             clips: read_views(&folder, &plan, timeline)?,
             clip_digests: (0..plan.cameras.len()).map(clip_digest).collect(),
-            raster: RasterSettings { background, ..RasterSettings::default() },
+            raster: RasterSettings { background, near_m: source.near_m, ..RasterSettings::default() },
             states: ModelStates::at(plan.instants.iter().map(|instant| instant.time)),
             plan,
             timeline,

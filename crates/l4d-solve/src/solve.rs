@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 
 use l4d_data::digest::sha256_hex;
 use l4d_data::layout::AnswerDir;
-use l4d_data::{StageError, json};
+use l4d_data::store::{Claim, Earlier};
+use l4d_data::{DataError, StageError, json};
 use l4d_ground::{Grounder, Grounding, Question, ViewClip};
 use l4d_masks::Mask;
 use l4d_splat::raster::Rasterizer;
@@ -216,6 +217,13 @@ impl SolveScene {
             (0..plan.instants.len()).into_par_iter().map(at).collect::<Result<_, _>>()?;
         Ok(by_time.into_iter().flatten().collect())
     }
+}
+
+/// The right to write an answer, and more files into its folder.
+pub(crate) fn claim(dir: &AnswerDir, more: Vec<String>, force: bool) -> Result<Claim, DataError> {
+    let own = ["grounded/", "consensus.json", "lift/", "manifest.json"].map(str::to_owned);
+    let earlier = Earlier { file: "manifest.json", says: SCHEMA };
+    Claim::take(dir.root(), own.into_iter().chain(more).collect(), Some(earlier), force)
 }
 
 impl Record {

@@ -14,7 +14,6 @@ use std::time::{Duration, Instant};
 use l4d_data::layout::SceneDir;
 use l4d_data::results::Track;
 use l4d_data::stage::peak_memory_bytes;
-use l4d_data::store::FolderLock;
 use l4d_data::{At as _, Name, Profile, Progress, StageError};
 use serde_json::Value;
 
@@ -147,7 +146,7 @@ pub fn train_scene(order: &Order<'_>, progress: &dyn Progress) -> Result<Trained
     let track = origin.track;
     let folder = SplatsFolder(order.folder.clone());
     let place = folder.0.display();
-    let _lock = FolderLock::take(&folder.0)?;
+    let _files = folder.take(order.overwrite)?;
     let claim = folder.claim(&origin, order.overwrite)?;
     if let Claim::Done(manifest) = claim {
         progress.note(&format_args!("{place} holds this model already"));

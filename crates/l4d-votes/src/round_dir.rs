@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use l4d_data::Name;
+use l4d_data::store::{Claim, Earlier};
+use l4d_data::{DataError, Name};
 
 /// `annotation/rounds/<round>`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,6 +18,16 @@ impl RoundDir {
     /// The folder.
     pub fn root(&self) -> &Path {
         &self.0
+    }
+
+    /// The right to write some of its files.
+    ///
+    /// # Errors
+    /// Files that l4d did not write, unless `force`, and a round that another run writes into.
+    pub fn claim(&self, files: &[PathBuf], earlier: Earlier<'_>, force: bool) -> Result<Claim, DataError> {
+        let names = files.iter().filter_map(|path| path.file_name());
+        let names = names.map(|name| name.to_string_lossy().into_owned()).collect();
+        Claim::take(&self.0, names, Some(earlier), force)
     }
 
     /// `round.toml`: what the round is.

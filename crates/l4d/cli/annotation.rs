@@ -25,6 +25,9 @@ pub(crate) struct StatsArgs {
     /// Folder that receives tables and figures; default: print only
     #[arg(long, short, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
+    /// Replace files that l4d did not write
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -139,6 +142,9 @@ pub(crate) struct VerdictArgs {
     /// Derive the files again and compare: nothing is written
     #[arg(long)]
     pub(crate) check: bool,
+    /// Replace files that l4d did not write
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

@@ -190,6 +190,9 @@ pub(crate) struct ImportSceneArgs {
     /// Only add masks to a capture that is in --out
     #[arg(long, requires = "masks")]
     pub(crate) masks_only: bool,
+    /// Replace other masks of the capture, and the truth that was made of them
+    #[arg(long, requires = "masks")]
+    pub(crate) force: bool,
     /// The program that opens videos
     #[arg(long, value_name = "PATH", default_value = "ffmpeg")]
     pub(crate) ffmpeg: PathBuf,

@@ -102,6 +102,9 @@ pub(crate) struct ScoreArgs {
     /// Print means with intervals by category, scale, time, size, occlusion and scene; as JSON by query, too
     #[arg(long, conflicts_with = "protocol")]
     pub(crate) groups: bool,
+    /// Replace files that l4d did not write
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Seed of the draws behind intervals
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
@@ -134,6 +137,9 @@ pub(crate) struct LeaderboardArgs {
     /// Folder of rendered scenes whose held-out pictures lie under the masks of the page; default: none
     #[arg(long, value_name = "DIR", requires = "html")]
     pub(crate) data: Option<PathBuf>,
+    /// Replace files that l4d did not write
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

@@ -1,4 +1,4 @@
-//! Grammar of the verbs around rendered scenes: doctor, build-scenes, check-scenes, sheet, compose, draw-variant.
+//! Grammar of the verbs around rendered scenes: doctor, build-scenes, check-scenes, sheet, compose.
 
 use std::path::PathBuf;
 
@@ -16,6 +16,9 @@ pub(crate) struct DoctorArgs {
     /// Make the Blender environment first, if it is missing
     #[arg(long)]
     pub(crate) setup: bool,
+    /// Say what the tests need instead, as `tests/run` installs it
+    #[arg(long, conflicts_with = "setup")]
+    pub(crate) tests: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -53,15 +56,9 @@ pub(crate) struct BuildScenesArgs {
     pub(crate) bench: BenchArgs,
     #[command(flatten)]
     pub(crate) python: PythonArgs,
-    /// Folder that receives the scenes; default: data/<profile>, or data/<profile>-v<variant>
+    /// Folder that receives the scenes; default: data/<profile>
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
-    /// 0 is the benchmark; others permute looks, roles, layout and cameras; default: that of --bench
-    #[arg(long)]
-    pub(crate) variant: Option<u32>,
-    /// Seed of everything random in the recipes; default: that of --bench
-    #[arg(long)]
-    pub(crate) seed: Option<u64>,
     /// Only tracks, no picture (writes <bench>/scenes)
     #[arg(long)]
     pub(crate) tracks_only: bool,
@@ -117,6 +114,9 @@ pub(crate) struct SheetArgs {
     /// Leave out outlines, numbers and queries
     #[arg(long, requires = "scene")]
     pub(crate) plain: bool,
+    /// Replace a picture that l4d did not write
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -124,14 +124,15 @@ pub(crate) struct ComposeArgs {
     /// Folder of the new set; a set that is there grows
     #[arg(long, short, value_name = "BENCH", required_unless_present = "list")]
     pub(crate) out: Option<PathBuf>,
-    /// The first seed; training seeds begin with 1000
+    /// The first seed, of a private set the first number; training seeds begin with 1000
     #[arg(long, default_value_t = 1000)]
     pub(crate) seed: u64,
     /// How many scenes, each of the next seed
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(conflicts_with = "spec")]
     pub(crate) count: u32,
     /// outdoor, room or tabletop; default: in turn
-    #[arg(long, value_parser = one_of::<Scale>(Scale::ALL.map(Scale::as_str)))]
+    #[arg(long, value_parser = one_of::<Scale>(Scale::ALL.map(Scale::as_str)), conflicts_with = "spec")]
     pub(crate) scale: Option<Scale>,
     /// What the set is for: train, dev (seeds below 1000) or private (with --secret)
     #[arg(long, default_value = "train", value_parser = one_of::<SetSplit>(["train", "dev", "private"]))]
@@ -139,7 +140,8 @@ pub(crate) struct ComposeArgs {
     /// File of random bytes from which the seeds of a private set come; who has it can compose the set again
     #[arg(long, value_name = "FILE")]
     pub(crate) secret: Option<PathBuf>,
-    /// Compositions, or scenarios of `l4d propose-scenes`, whose nouns and verbs are demanded (comma-separated or repeated)
+    /// Compositions of the same split, or scenarios of `l4d propose-scenes`, whose nouns, verbs and scale are demanded, a
+    /// scene each, of the next seed (comma-separated or repeated)
     #[arg(long, value_name = "JSON", value_delimiter = ',')]
     pub(crate) spec: Vec<PathBuf>,
     /// Where it happens; default: drawn
@@ -160,6 +162,9 @@ pub(crate) struct ComposeArgs {
     /// Draws of a seed that are tried before it is given up
     #[arg(long, default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) draws: u32,
+    /// Compose again what was changed since it was composed
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Print the themes with their places, nouns and verbs instead
     #[arg(long, conflicts_with = "out")]
     pub(crate) list: bool,
@@ -168,35 +173,6 @@ pub(crate) struct ComposeArgs {
     pub(crate) jobs: usize,
     #[command(flatten)]
     pub(crate) python: PythonArgs,
-    /// Print JSON
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct DrawVariantArgs {
-    /// Which permutation of looks, roles, layout and cameras
-    pub(crate) variant: u32,
-    #[command(flatten)]
-    pub(crate) bench: BenchArgs,
-    #[command(flatten)]
-    pub(crate) python: PythonArgs,
-    /// Seed of everything random in the recipes
-    #[arg(long, default_value_t = 0)]
-    pub(crate) seed: u64,
-    /// Folder of the new set
-    #[arg(long, short, value_name = "DIR")]
-    pub(crate) out: PathBuf,
-    /// What the manifest calls the new set: private or dev; a variant shows the same scenes with other looks, and is
-    /// neither a training set nor a private test
-    #[arg(long, default_value = "private", value_parser = one_of::<SetSplit>(["private", "dev"]))]
-    pub(crate) split: SetSplit,
-    /// Folder that receives the plans; default: data/<profile>-v<variant>
-    #[arg(long, value_name = "DIR")]
-    pub(crate) data: Option<PathBuf>,
-    /// Replace another set that is in --out
-    #[arg(long)]
-    pub(crate) force: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

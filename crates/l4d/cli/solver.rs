@@ -185,6 +185,9 @@ pub(crate) struct QueryArgs {
     /// Folder that receives masks and pictures; default: <work>/<profile>/<scene>/asked/<digest of the question>
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Replace files that l4d did not write
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -262,6 +265,9 @@ pub(crate) struct BenchLiftArgs {
     /// Folder that receives table and figure; default: <work>/bench/lift
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Replace files that l4d did not write
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

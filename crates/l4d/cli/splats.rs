@@ -152,11 +152,16 @@ pub(crate) struct ReaderArgs {
     /// Draw harmonics of models of others up to this degree, 0 to 3; default: what the reader draws, or all
     #[arg(long, value_name = "DEGREE", value_parser = clap::value_parser!(u8).range(0..=3))]
     sh_degree: Option<u8>,
+    /// Draw nothing that is nearer to the camera than this, units of the model's world; default: 0.01 for models of gsplat,
+    /// simple_trainer and splatfacto, 0.2 for all others, as in their training
+    #[arg(long, value_name = "UNITS", value_parser = number::<f32>(1e-6..=1e6))]
+    near: Option<f32>,
 }
 
 impl ReaderArgs {
     pub(crate) fn options(&self) -> ReaderOptions {
-        ReaderOptions { reader: self.reader, sh_degree: self.sh_degree.and_then(ShDegree::new) }
+        let sh_degree = self.sh_degree.and_then(ShDegree::new);
+        ReaderOptions { reader: self.reader, sh_degree, near_m: self.near }
     }
 }
 
@@ -218,6 +223,9 @@ pub(crate) struct BenchSplatsArgs {
     /// Folder that receives table and figure; default: <work>/bench/splats
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Replace files that l4d did not write
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
+use l4d_data::store::Claim;
 use l4d_data::{Benchmark, Report, StageError};
 use l4d_experiments::ablation::{Ablation, Cell, Grid, ablate};
 use l4d_ground::oracle::NoisePreset;
@@ -20,7 +21,7 @@ pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
     }
     let grid = args.grid;
     let bench = Benchmark::open(&args.bench.bench)?;
-    let space = args.work.space(args.bench.profile, bench.manifest.draw());
+    let space = args.work.space(args.bench.profile);
     let mut report = Report::default();
     let exam = Exam::open(bench, args.bench.profile, grid.set(), &args.bench.scenes, &mut report)?;
     out.warnings(report);
@@ -43,6 +44,9 @@ pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
             )
         })
     };
+    let names = ["csv", "md"].map(|ending| format!("{}.{ending}", grid.table()));
+    let others = ["views.svg", "views.png", "calibration.csv"].map(str::to_owned);
+    let _claim = Claim::take(&folder, names.into_iter().chain(others).collect(), None, args.overwrite)?;
     let ablated = ablate(
         &Ablation {
             grid,

@@ -6,7 +6,7 @@ use l4d_blender::env::{BlenderEnv, scripts_folder};
 use l4d_blender::plan::recipes;
 use l4d_data::layout::BenchDir;
 use l4d_data::store::list_folder;
-use l4d_data::{Benchmark, Draw, Name, Profile, Report, Workspace};
+use l4d_data::{Benchmark, Name, Profile, Report, Workspace};
 
 use crate::cli::scenes::BuildScenesArgs;
 use crate::out::{ExitStatus, Printer, refusal};
@@ -17,14 +17,12 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
     let choice = args.python.choice();
     let env = BlenderEnv::find_or_make(&choice, out)?;
     // A folder that is no benchmark yet becomes the benchmark's.
-    let own = Benchmark::open(&args.bench.bench).map(|bench| bench.manifest.draw()).unwrap_or_default();
-    let draw = Draw { variant: args.variant.unwrap_or(own.variant), seed: args.seed.unwrap_or(own.seed) };
-    let space = Workspace::new(profile, draw).with_data(args.data.as_deref());
-    // Tracks and truth of another draw than the benchmark folder's stay beside their frames.
-    let bench = BenchDir::new(if draw == own { args.bench.bench.clone() } else { space.private_benchmark() });
+    let seed = Benchmark::open(&args.bench.bench).map(|bench| bench.manifest.seed).unwrap_or_default();
+    let space = Workspace::new(profile).with_data(args.data.as_deref());
+    let bench = BenchDir::new(&args.bench.bench);
     let order = Order {
         scenes: &scenes,
-        draw,
+        seed,
         space: &space,
         bench: &bench,
         work: &choice.work,
@@ -52,7 +50,7 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
     out.findings(report, false)
 }
 
-/// The benchmark's scenes, or those asked for; variants and new recipes need not be in the benchmark.
+/// The benchmark's scenes, or those asked for; new recipes need not be in the benchmark.
 fn chosen_scenes(args: &BuildScenesArgs) -> Result<Vec<Name>> {
     let mut known = recipes(&scripts_folder(&args.python.blender_scripts)?)?;
     let composed = BenchDir::new(&args.bench.bench).recipes();

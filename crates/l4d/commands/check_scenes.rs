@@ -12,7 +12,7 @@ use crate::out::{ExitStatus, Printer, refusal, table};
 
 pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
-    let space = Workspace::new(args.bench.profile, bench.manifest.draw()).with_data(args.data.as_deref());
+    let space = Workspace::new(args.bench.profile).with_data(args.data.as_deref());
     let scenes = scenes_to_check(&args.bench, &bench, &space, out)?;
     let frames_a_scene = args.bench.profile.frames().count();
     out.start("checking", (scenes.len() * frames_a_scene) as u64);
@@ -20,9 +20,7 @@ pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {
     let mut stats = Vec::new();
     for scene in &scenes {
         out.item(&scene);
-        let draw = bench.draw_of(scene)?;
-        let request =
-            Request { data: space.data(), bench: &bench.dir, draw, profile: args.bench.profile, scene };
+        let request = Request { data: space.data(), bench: &bench.dir, profile: args.bench.profile, scene };
         let (found, problems) = check_scene(request, &|| out.advance(1));
         stats.extend(found);
         report.extend(problems);

@@ -1,6 +1,8 @@
 //! `l4d doctor`: one line for each thing that a stage needs, with the remedy where it lacks.
 
+use std::borrow::Cow;
 use std::path::Path;
+use std::process::{Command, Stdio};
 
 use anyhow::Result;
 use l4d_blender::env::{BlenderEnv, Probe, environment_python, import_remedy, probe};
@@ -9,7 +11,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use crate::cli::scenes::DoctorArgs;
-use crate::out::{ExitStatus, Printer};
+use crate::out::{ExitStatus, Printer, refusal};
 
 /// Free space that a `full` build of the benchmark wants.
 const WANTED_DISK_GIB: u64 = 20;
@@ -29,22 +31,30 @@ enum State {
 /// One line of the report.
 #[derive(Debug, Serialize)]
 struct Line {
-    name: &'static str,
+    name: Cow<'static, str>,
     state: State,
     found: String,
     remedy: String,
 }
 
 impl Line {
-    fn ok(name: &'static str, found: impl Into<String>) -> Self {
-        Self { name, state: State::Ok, found: found.into(), remedy: String::new() }
+    fn ok(name: impl Into<Cow<'static, str>>, found: impl Into<String>) -> Self {
+        Self { name: name.into(), state: State::Ok, found: found.into(), remedy: String::new() }
     }
 
-    fn optional(name: &'static str, found: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { name, state: State::Optional, found: found.into(), remedy: remedy.into() }
+    fn optional(
+        name: impl Into<Cow<'static, str>>,
+        found: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Self { name: name.into(), state: State::Optional, found: found.into(), remedy: remedy.into() }
     }
 
-    fn missing(name: &'static str, found: impl Into<String>, remedy: impl Into<String>) -> Self {
+    fn missing(
+        name: impl Into<Cow<'static, str>>,
+        found: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
         Self { state: State::Missing, ..Self::optional(name, found, remedy) }
     }
 }
@@ -53,10 +63,8 @@ pub(crate) fn run(args: &DoctorArgs, out: &Printer) -> Result<ExitStatus> {
     if args.setup {
         BlenderEnv::find_or_make(&args.python.choice(), out)?;
     }
-    let mut lines = python_lines(args);
-    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let cores = Line::ok("cores", cores.to_string());
-    lines.extend([benchmark_line(), adapter_line(), terminal_line(), cores, disk_line(&args.python.work)]);
+    let lines = if args.tests { test_lines()? } else { stage_lines(args) };
+    let width = lines.iter().map(|line| line.name.len()).max().unwrap_or(0) + 2;
     if args.json {
         out.json(&json!({ "doctor": lines }))?;
     } else {
@@ -67,11 +75,43 @@ pub(crate) fn run(args: &DoctorArgs, out: &Printer) -> Result<ExitStatus> {
                 State::Missing => "MISSING",
             };
             let remedy = if remedy.is_empty() { String::new() } else { format!(" -> {remedy}") };
-            out.data(format!("{mark:<8}{name:<11}{found}{remedy}"))?;
+            out.data(format!("{mark:<8}{name:<width$}{found}{remedy}"))?;
         }
     }
     let lacks = lines.iter().any(|line| line.state == State::Missing);
     Ok(if lacks { ExitStatus::Findings } else { ExitStatus::Success })
+}
+
+fn stage_lines(args: &DoctorArgs) -> Vec<Line> {
+    let mut lines = python_lines(args);
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let cores = Line::ok("cores", cores.to_string());
+    lines.extend([benchmark_line(), adapter_line(), terminal_line(), cores, disk_line(&args.python.work)]);
+    lines
+}
+
+/// What `tests/run` finds: it looks before anything is compiled, so the list and the looking are its own.
+fn test_lines() -> Result<Vec<Line>> {
+    let hint = "run l4d in the project's root folder, with bash on the path";
+    let check = Command::new("bash").args(["tests/run", "--check"]).stderr(Stdio::inherit()).output();
+    let check =
+        check.map_err(|error| refusal(format!("bash tests/run --check: cannot run: {error}"), hint))?;
+    let report = String::from_utf8_lossy(&check.stdout).into_owned();
+    let lines: Vec<Line> = report.lines().filter_map(test_line).collect();
+    if lines.is_empty() { Err(refusal("tests/run --check says nothing", hint)) } else { Ok(lines) }
+}
+
+fn test_line(line: &str) -> Option<Line> {
+    let [state, package, recognised, purpose]: [&str; 4] =
+        line.split('\t').collect::<Vec<_>>().try_into().ok()?;
+    let package = package.to_owned();
+    Some(match state {
+        "ok" => Line::ok(package, format!("{recognised}, for {purpose}")),
+        _ => {
+            let remedy = format!("`tests/run` installs it, or: apt-get install {package}");
+            Line::missing(package, format!("none of {recognised}, for {purpose}"), remedy)
+        }
+    })
 }
 
 fn python_lines(args: &DoctorArgs) -> Vec<Line> {

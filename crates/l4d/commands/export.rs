@@ -5,7 +5,7 @@ use l4d_data::Progress as _;
 use l4d_data::layout::BenchDir;
 use l4d_data::query::{Query, read_queries};
 use l4d_data::truth::Truth;
-use l4d_data::{Benchmark, Name, Workspace};
+use l4d_data::{Name, Workspace};
 use l4d_import::annotations::Judged;
 use l4d_import::export::{Order, Origin, export, picture_count};
 
@@ -48,8 +48,7 @@ pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
 }
 
 fn space(args: &ExportArgs) -> Workspace {
-    let draw = Benchmark::open(&args.bench).map(|bench| bench.manifest.draw()).unwrap_or_default();
-    Workspace::new(args.profile, draw).with_data(args.data.as_deref())
+    Workspace::new(args.profile).with_data(args.data.as_deref())
 }
 
 fn answers(args: &ExportArgs, name: &Name) -> Result<(Truth, Vec<Query>)> {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use l4d_data::Progress as _;
-use l4d_data::{Draw, Name, Profile, Workspace};
+use l4d_data::{Name, Profile, Workspace};
 use l4d_import::capture::masks::{self, MaskSet};
 use l4d_import::capture::publish::{Published, publish};
 use l4d_import::capture::{CAPTURE, Capture, Order, import};
@@ -21,11 +21,13 @@ pub(crate) fn run(args: &ImportSceneArgs, out: &Printer) -> Result<ExitStatus> {
         false => read(args, &name, &folder, out)?,
     };
     let drawn = masks_of(args, &capture, out)?;
-    let masks = drawn.as_ref().map(|set| set.write(&folder)).transpose()?;
+    // Other masks are refused before anything is written.
+    drawn.as_ref().map(|set| set.is_in(&folder, args.force)).transpose()?;
     let published = match (&args.bench, args.scale, &drawn) {
-        (Some(bench), Some(scale), Some(set)) => Some(publish(&capture, set, scale, bench)?),
+        (Some(bench), Some(scale), Some(set)) => Some(publish(&capture, set, scale, bench, args.force)?),
         _ => None,
     };
+    let masks = drawn.as_ref().map(|set| set.write(&folder, args.force)).transpose()?;
     if let Some(published) = &published {
         tell_next(args, &capture, published, out);
     }
@@ -57,7 +59,7 @@ pub(crate) fn run(args: &ImportSceneArgs, out: &Printer) -> Result<ExitStatus> {
 
 /// Where captures go by default.
 fn space() -> Workspace {
-    Workspace::new(Profile::Real, Draw::default())
+    Workspace::new(Profile::Real)
 }
 
 fn read(args: &ImportSceneArgs, name: &Name, folder: &Path, out: &Printer) -> Result<Capture> {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use l4d_board::board::Method;
-use l4d_board::{Board, BoardError, ProtocolTable, gather, publish, text_statistics, text_table};
+use l4d_board::{Board, BoardError, Media, ProtocolTable, gather, publish, text_statistics, text_table};
 use l4d_data::workspace::{default_leaderboard, default_scores};
 use l4d_data::{Benchmark, Report};
 use l4d_score::Exam;
@@ -24,10 +24,13 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
     let output = args.output.clone().unwrap_or_else(|| default_leaderboard(set.as_str()));
     let (board, found) = gather(&scores, &exam, args.seed).map_err(|error| with_hint(error, &scores))?;
     report.extend(found);
-    let mut paths = publish(&board, &output).map_err(|error| with_hint(error, &scores))?;
-    if args.html {
-        paths.push(page::write(args, &exam, &board, &output, out)?);
-    }
+    let publish = |media: Option<&Media<'_>>| {
+        publish(&board, &output, media, args.force).map_err(|error| with_hint(error, &scores))
+    };
+    let paths = match args.html {
+        true => page::with_media(args, &exam, out, |media| publish(Some(media)))?,
+        false => publish(None)?,
+    };
 
     out.warnings(report);
     if args.json {

@@ -3,12 +3,12 @@
 mod again;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use l4d_data::digest::sha256_hex;
-use l4d_data::store::list_folder;
-use l4d_data::{Benchmark, Category, Name, Query, QueryId, Status};
+use l4d_data::store::{Earlier, list_folder};
+use l4d_data::{Benchmark, Category, DataError, Name, Query, QueryId, Status};
 use l4d_votes::draw_round;
 use l4d_votes::key::ItemSource;
 use l4d_votes::{Gold, RoundSettings, SCHEMA};
@@ -37,8 +37,13 @@ pub(crate) fn run(args: &OpenRoundArgs, out: &Printer) -> Result<ExitStatus> {
     }
     let settings = settings(args, name, only.len())?;
     let (round, key) = draw_round(settings, &bench.select(&args.bench.scenes)?, &only, &bench)?;
+    let earlier = Earlier { file: "round.toml", says: SCHEMA };
+    let claim = dir.claim(&files(&dir), earlier, args.force)?;
+    // Another run may have opened it meanwhile.
+    refuse_to_replace(&dir, args.force)?;
     clear(&dir)?;
     round.write(&dir, &key)?;
+    drop(claim);
     out.data(dir.root().display())?;
     out.note(summary(&round, &key));
     if round.simulated {
@@ -139,11 +144,16 @@ fn refuse_to_replace(dir: &RoundDir, force: bool) -> Result<()> {
     Ok(())
 }
 
+/// All files of a round but its votes.
+fn files(dir: &RoundDir) -> [PathBuf; 6] {
+    [dir.settings(), dir.items(), dir.key(), dir.verdicts(), dir.agreement(), dir.refine()]
+}
+
 /// Removes what a round without votes left, its settings first; everything else in the folder stays.
 fn clear(dir: &RoundDir) -> Result<()> {
-    for path in [dir.settings(), dir.items(), dir.key(), dir.verdicts(), dir.agreement(), dir.refine()] {
+    for path in files(dir) {
         if path.exists() {
-            std::fs::remove_file(&path).map_err(|error| l4d_data::DataError::io(&path, "replace", error))?;
+            std::fs::remove_file(&path).map_err(|error| DataError::io(&path, "replace", error))?;
         }
     }
     Ok(())

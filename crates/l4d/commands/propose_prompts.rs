@@ -18,7 +18,7 @@ use crate::out::{ExitStatus, Printer, refusal, table};
 pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
     let profile = args.bench.profile;
-    let space = Workspace::new(profile, bench.manifest.draw()).with_data(args.data.as_deref());
+    let space = Workspace::new(profile).with_data(args.data.as_deref());
     let scenes = chosen_scenes(args, &bench, &space, out)?;
     let vocabulary = Vocabulary::read(&bench.dir.vocabulary())?;
     let client = open_client(&args.ask.server)?;

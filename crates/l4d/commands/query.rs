@@ -1,7 +1,7 @@
 //! `l4d query`: one sentence about one scene, now.
 
 use anyhow::Result;
-use l4d_data::{Draw, Name};
+use l4d_data::Name;
 use l4d_solve::ask::{Ask, Asked, Stages, ask};
 
 use crate::cli::solver::QueryArgs;
@@ -9,7 +9,7 @@ use crate::out::{ExitStatus, Printer};
 use crate::{rasterizer, solver};
 
 pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
-    let space = args.work.space(args.profile, Draw::default());
+    let space = args.work.space(args.profile);
     let grounders = solver::open_grounders(&args.method, &space.shared(), out)?;
     let opened = rasterizer::open(&args.method.adapter.adapter)?;
     let order = Ask {
@@ -30,6 +30,7 @@ pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
         times: &args.time,
         size: args.size.map(|size| size.0),
         out: args.out.as_deref(),
+        force: args.force,
     };
     let asked = ask(&order, out)?;
     match args.json {

@@ -8,14 +8,15 @@ use std::time::Instant;
 use anyhow::{Context as _, Result};
 use clap::Parser as _;
 use l4d_data::benchmark::Manifest;
+use l4d_data::error::inert;
 use l4d_data::layout::{BenchDir, WorkDir};
-use l4d_data::store::{read_bounded, write_atomic};
-use l4d_data::{Benchmark, Name, Profile, Report};
+use l4d_data::store::{Claim, list_folder, read_bounded, write_atomic};
+use l4d_data::{Benchmark, DataError, Name, Profile, Report};
 use l4d_score::{Exam, QuerySet};
 
 use self::endings::{Ending, Why, endings};
 use crate::cli::{Cli, Command, QuickstartArgs};
-use crate::out::{ExitStatus, Printer};
+use crate::out::{ExitStatus, Printer, refusal};
 
 /// The method that is ranked; what `solve` calls its results by default.
 const METHOD: &str = "panopticquery-geometric";
@@ -31,6 +32,7 @@ pub(crate) fn run(
     let source = Benchmark::open(&args.bench)?;
     let scene = source.scene(&args.scene)?.clone();
     let folder = args.out.as_path();
+    let _claim = claim(folder, &scene)?;
     copy_queries(&source, &scene, &BenchDir::new(folder.join("benchmark")))?;
     for (what, verb) in steps(args, &scene, folder) {
         let line: Vec<String> = std::iter::once("l4d".to_owned()).chain(verb).collect();
@@ -49,6 +51,28 @@ pub(crate) fn run(
     tell_endings(&endings, out);
     tell_what_is_next(&endings, &scene, folder, started.elapsed().as_secs_f64(), out);
     Ok(ExitStatus::Success)
+}
+
+/// Takes possession of a folder that is empty or of an earlier quickstart.
+fn claim(folder: &Path, scene: &Name) -> Result<Claim> {
+    let bench = BenchDir::new("benchmark");
+    let [manifest, queries] = [bench.manifest(), bench.queries(scene)].map(|path| text(&path));
+    if let Some(entry) = entries(folder)?.first()
+        && !Claim::lists(folder, &manifest)
+    {
+        return Err(refusal(
+            format!("{}: is not of a quickstart: `{}` is there", folder.display(), inert(entry)),
+            "name an empty folder or one that is not there yet with --out",
+        ));
+    }
+    let refuse =
+        |error: DataError| refusal(error.to_string(), "move it away, or name another folder with --out");
+    Claim::take(folder, vec![manifest, queries], None, false).map_err(refuse)
+}
+
+/// What is in the folder, if it is there.
+fn entries(folder: &Path) -> Result<Vec<String>> {
+    Ok(if folder.exists() { list_folder(folder)? } else { Vec::new() })
 }
 
 /// What is done, in order: a sentence and the command line.
@@ -112,7 +136,7 @@ fn text(path: &Path) -> String {
 fn tell_endings(endings: &[Ending<'_>], out: &Printer) {
     out.note(format!("\n# How the {} queries ended for {METHOD}", endings.len()));
     for Ending { query, why, miou } in endings {
-        let why = l4d_data::error::inert(&why.to_string());
+        let why = inert(&why.to_string());
         out.note(format!("  {:>5.1} IoU  {}: {why}", 100.0 * miou, query.text));
     }
     let right = endings.iter().filter(|ending| ending.why == Why::Right).count();

@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use l4d_data::{Draw, Name, Progress as _, Timeline};
+use l4d_data::store::Claim;
+use l4d_data::{Name, Progress as _, Timeline};
 use l4d_frames::moving_picture::{self, Pace};
 use l4d_solve::clips::{self, ClipsFolder, DepthEntry, Look, Order, Overwrite, Preview, Wanted};
 
@@ -13,7 +14,7 @@ use crate::rasterizer;
 
 pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let scene = args.scene.as_deref().map(Name::new).transpose()?;
-    let space = args.work.space(args.profile, Draw::default());
+    let space = args.work.space(args.profile);
     let wanted = Wanted {
         scene: scene.as_ref(),
         space: &space,
@@ -50,6 +51,8 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
     let overwrite = if args.overwrite { Overwrite::Always } else { Overwrite::Never };
     let folder = ClipsFolder::claim(root, look, &plan, overwrite)?;
 
+    let names = ["language/", "preview.mp4", "preview.png"].map(str::to_owned).to_vec();
+    let _claim = Claim::take(folder.root(), names, None, args.overwrite)?;
     let total = plan.pictures().count();
     out.start("drawing", total as u64);
     let start = Instant::now();
@@ -66,7 +69,7 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
     out.data(folder.manifest_path().display())?;
     if let Some(language) = language {
         let folder = folder.root().join("language");
-        clips::write_language(&folder, &plan, (&source.model, language), opened.rasterizer.as_ref())?;
+        clips::write_language(&folder, &plan, (&source, language), opened.rasterizer.as_ref())?;
         out.data(folder.display())?;
     }
     if args.preview {

@@ -30,8 +30,9 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
         return protocol::run(args, protocol, &exam, &options, report, out);
     }
     let scores = args.scores.clone().unwrap_or_else(|| default_scores(exam.set.as_str(), None));
-    let mut scored =
-        score_results(&args.results, &exam, &options, &scores, |name| out.note(format!("read {name}")))?;
+    let mut scored = score_results(&args.results, &exam, &options, &scores, args.force, |name| {
+        out.note(format!("read {name}"))
+    })?;
     report.extend(std::mem::take(&mut scored.report));
     let status = Printer::status(&report);
     let grouped: Vec<Vec<Group>> = match args.groups {

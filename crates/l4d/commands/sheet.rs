@@ -1,12 +1,14 @@
 //! `l4d sheet`: one picture that shows a scene with its instances and queries, or all scenes, to a person.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use l4d_data::layout::BenchDir;
 use l4d_data::query::{Query, read_queries};
 use l4d_data::scene::Scene;
+use l4d_data::store::{Claim, folder_of};
 use l4d_data::{Benchmark, Camera, Name, Workspace};
+use l4d_frames::drawn::RgbImage;
 use l4d_frames::sheet::{Rendered, Sheet, default_frames, default_views, overview, save};
 
 use crate::cli::scenes::SheetArgs;
@@ -16,8 +18,7 @@ use crate::out::{ExitStatus, Printer, refusal};
 const OVERVIEW_FRAMES: [u32; 3] = [24, 48, 72];
 
 pub(crate) fn run(args: &SheetArgs, out: &Printer) -> Result<ExitStatus> {
-    let draw = Benchmark::open(&args.bench.bench).map(|bench| bench.manifest.draw()).unwrap_or_default();
-    let space = Workspace::new(args.bench.profile, draw).with_data(args.data.as_deref());
+    let space = Workspace::new(args.bench.profile).with_data(args.data.as_deref());
     let path = match &args.scene {
         Some(scene) => draw_scene(args, &space, scene)?,
         None => draw_overview(args, &space, out)?,
@@ -42,7 +43,7 @@ fn draw_scene(args: &SheetArgs, space: &Workspace, scene: &str) -> Result<PathBu
         plain: args.plain,
     };
     let path = args.output.clone().unwrap_or_else(|| dir.sheet());
-    save(&sheet.draw()?, &path)?;
+    save_ours(&sheet.draw()?, &path, args.force)?;
     Ok(path)
 }
 
@@ -70,8 +71,15 @@ fn draw_overview(args: &SheetArgs, space: &Workspace, out: &Printer) -> Result<P
     }
     let frames = if args.frames.is_empty() { OVERVIEW_FRAMES.to_vec() } else { args.frames.clone() };
     let path = args.output.clone().unwrap_or_else(|| space.overview());
-    save(&overview(&scenes, &frames)?, &path)?;
+    save_ours(&overview(&scenes, &frames)?, &path, args.force)?;
     Ok(path)
+}
+
+/// Writes a picture, but not over one of somebody else.
+fn save_ours(page: &RgbImage, path: &Path, force: bool) -> Result<()> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let _claim = Claim::take(folder_of(path), vec![name], None, force)?;
+    Ok(save(page, path)?)
 }
 
 fn chosen_views<'a>(args: &SheetArgs, scene: &'a Scene) -> Result<Vec<&'a Camera>> {

@@ -14,7 +14,7 @@ pub(crate) fn run(args: &SolveArgs, out: &Printer) -> Result<ExitStatus> {
     let selected = bench.select(&args.bench.scenes)?;
     let ids = args.queries.iter().map(|id| Ok(id.parse()?)).collect::<Result<Vec<QueryId>>>()?;
     let picked = pick(&bench, args.set, &selected, &ids, args.shard)?;
-    let space = args.work.space(args.bench.profile, bench.manifest.draw());
+    let space = args.work.space(args.bench.profile);
     let grounders = solver::open_grounders(&args.method, &space.shared(), out)?;
     let opened = rasterizer::open(&args.method.adapter.adapter)?;
     let method = args.method.choice();

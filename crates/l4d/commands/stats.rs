@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
-use l4d_data::store::write_atomic;
+use l4d_data::store::{Claim, write_atomic};
 use l4d_data::{Benchmark, Report};
 use l4d_query::stats::{DatasetRow, SetStats, csv_of, measure};
 
@@ -26,11 +26,15 @@ pub(crate) fn run(args: &StatsArgs, out: &Printer) -> Result<ExitStatus> {
             ("queries.csv", csv_of(&stats.queries)?),
             ("words.csv", csv_of(&stats.words)?),
         ];
-        for (name, bytes) in tables {
-            write_atomic(&folder.join(name), &bytes)?;
+        let mut files = tables.map(|(name, bytes)| (name.to_owned(), bytes)).to_vec();
+        let figures = figures::draw_stats(&stats, out)?;
+        files.extend(figures.into_iter().map(|(name, bytes)| (format!("figures/{name}"), bytes)));
+        let names = files.iter().map(|(name, _)| name.clone()).collect();
+        let _claim = Claim::take(folder, names, None, args.force)?;
+        for (name, bytes) in &files {
+            write_atomic(&folder.join(name), bytes)?;
         }
-        let figures = figures::publish_stats(&stats, &folder.join("figures"), out)?;
-        out.note(format!("{} files in {}", figures.len() + 4, folder.display()));
+        out.note(format!("{} files in {}", files.len(), folder.display()));
     }
     if args.json {
         out.json(&stats)?;

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use anyhow::Result;
+use l4d_data::Name;
 use l4d_data::results::Track;
-use l4d_data::{Benchmark, Name};
 use l4d_splat::checkpoint::own::Sampling;
 use l4d_splat::training_run::{Order, Settings, train_scene};
 
@@ -14,8 +14,7 @@ use crate::rasterizer;
 
 pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.scene)?;
-    let draw = Benchmark::open(&args.bench).map(|bench| bench.manifest.draw()).unwrap_or_default();
-    let space = args.work.space(args.profile, draw);
+    let space = args.work.space(args.profile);
     let opened = rasterizer::open(&args.adapter.adapter)?;
     let order = Order {
         scene: &name,

@@ -33,8 +33,10 @@ pub(crate) fn run(args: &VerdictArgs, out: &Printer) -> Result<ExitStatus> {
     if args.unsealed {
         out.note("only a look: nothing was written, and no status was set");
     } else {
+        let claim = files::claim(&judged, args.force)?;
         files::write(&judged, &agreement, &bench)?;
         files::pronounce(&judged)?;
+        drop(claim);
         let folder = judged.dir.root().display();
         out.note(format!("verdicts.csv, agreement.json and refine.jsonl are in {folder}"));
         statuses::apply(&changes)?;

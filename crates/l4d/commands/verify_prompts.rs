@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use l4d_annotate::{AnnotateError, Options, Outcome, annotate, scene};
-use l4d_data::{Draw, Name, StageError, Workspace};
+use l4d_data::{Name, StageError, Workspace};
 use l4d_votes::{Ballot, Round, RoundDir};
 
 use crate::cli::annotation::{PictureArg, VerifyPromptsArgs};
@@ -14,8 +14,7 @@ pub(crate) fn run(args: &VerifyPromptsArgs, out: &Printer) -> Result<ExitStatus>
     let dir = RoundDir::new(args.rounds.join(name.as_str()));
     let round = Round::open(&dir)?;
     round.require_annotator(&annotator)?;
-    let space =
-        Workspace::new(round.profile, Draw::default()).with_data(args.data.as_deref()).with_work(&args.work);
+    let space = Workspace::new(round.profile).with_data(args.data.as_deref()).with_work(&args.work);
     let data = space.data().to_owned();
     let scenes = scene::load(&data, &round, &annotator)?;
     let (ballot, notices) = Ballot::open(&dir, &round, &annotator)?;

@@ -1,9 +1,7 @@
 //! Which distributions of the set are drawn, in which bins.
 
-use std::path::{Path, PathBuf};
-
 use anyhow::Result;
-use l4d_board::{Chart, Layout, Panel, publish_charts};
+use l4d_board::{Chart, Layout, Panel, draw_charts};
 use l4d_data::Scale;
 use l4d_query::stats::{QueryRow, SetStats};
 
@@ -12,9 +10,9 @@ use crate::out::Printer;
 /// Rows of a panel of words.
 const MOST_WORDS: usize = 18;
 
-/// Writes all figures of the set.
-pub(crate) fn publish_stats(stats: &SetStats, folder: &Path, _: &Printer) -> Result<Vec<PathBuf>> {
-    Ok(publish_charts(&all(stats), folder)?)
+/// All figures of the set: name and bytes of each file.
+pub(crate) fn draw_stats(stats: &SetStats, _: &Printer) -> Result<Vec<(String, Vec<u8>)>> {
+    Ok(draw_charts(&all(stats))?)
 }
 
 fn all(stats: &SetStats) -> Vec<Chart> {

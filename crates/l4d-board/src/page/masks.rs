@@ -97,19 +97,20 @@ pub(crate) fn target_places(
 }
 
 /// The answers of a method to a query at the shown frames; none if they are not there, or not those that were counted.
-/// What is wrong with them was reported when they were scored.
+/// What is wrong with them is reported.
 pub(crate) fn answer_places(
     pool: &mut Pool,
     reader: &SceneReader<'_>,
     query: &Query,
     (scene, shown): (&BoardScene, &[u32]),
     counted: &Counted,
+    wrong: &mut Report,
 ) -> Option<Vec<i64>> {
     if !reader.has(&query.id) {
         return None;
     }
     let size = (scene.width, scene.height);
-    let answers = reader.read(query, &mut Report::default());
+    let answers = reader.read(query, wrong);
     let is_counted = |(&frame, answer): (&u32, &Answer)| {
         let area = answer.mask(size).map_or(0, |mask| mask.area());
         let position = scene.clip.binary_search(&frame).ok();

@@ -1,9 +1,10 @@
 //! What the page unpacks when a scene is opened: each method's numbers on each query, its masks, and the truth.
 
 use std::collections::BTreeMap;
+use std::sync::PoisonError;
 
 use l4d_data::layout::ResultsDir;
-use l4d_data::{DataError, Name, Query, Report, Role};
+use l4d_data::{DataError, Finding, Name, Query, Report, Role, Severity};
 use l4d_score::counts::State;
 use l4d_score::metrics::Ratios;
 use l4d_score::reading::{Holes, SceneReader};
@@ -16,6 +17,7 @@ use super::embed::base64;
 use super::masks::{NOTHING, Pool, answer_places, shown_frames, shown_size, target_places};
 use super::overview::hundredths;
 use crate::board::{Answer, Board, BoardScene, Method};
+use crate::codes;
 use crate::protocols::{ProtocolRow, ProtocolTable};
 
 /// What the held-out camera saw at a frame, as JPEG of any size; none where there is no picture.
@@ -76,16 +78,23 @@ pub(crate) fn scene<'a>(board: &'a Board, place: usize, media: &Media) -> Result
     let detailed = |method: &&Method| !method.answers.is_empty();
     for (index, method) in board.methods.iter().take_while(detailed).enumerate() {
         let found = &method.answers[first..first + asked.queries.len()];
-        let dir = media.results.map(|results| ResultsDir::new(results.join(method.name.as_str())));
-        let reader = dir.as_ref().map(|dir| {
-            let found = &mut Report::default();
-            SceneReader::open(dir, scene, method.resize, Holes::Counted, found).of_frames(&shown)
-        });
-        let masks = queries.iter().zip(found).map(|(query, counted)| {
-            answer_places(&mut pool, reader.as_ref()?, query, (asked, &shown), counted)
-        });
+        let masks = match media.results {
+            Some(results) => {
+                let dir = ResultsDir::new(results.join(method.name.as_str()));
+                let mut wrong = Report::default();
+                let reader = SceneReader::open(&dir, scene, method.resize, Holes::Counted, &mut wrong);
+                let reader = reader.of_frames(&shown);
+                let masks = queries.iter().zip(found).map(|(query, counted)| {
+                    answer_places(&mut pool, &reader, query, (asked, &shown), counted, &mut wrong)
+                });
+                let masks: Vec<Option<Vec<i64>>> = masks.collect();
+                report(&masks, &queries, &reader, (&dir, wrong), media);
+                masks
+            }
+            None => vec![None; queries.len()],
+        };
         let page = AnswersPage {
-            masks: masks.collect(),
+            masks,
             ratios: found.iter().map(|answer| ratios(&answer.ratios)).collect(),
             taken: found.iter().map(|answer| answer.taken.as_ref()).collect(),
             frames: found.iter().map(|answer| codes(asked, answer)).collect(),
@@ -96,6 +105,29 @@ pub(crate) fn scene<'a>(board: &'a Board, place: usize, media: &Media) -> Result
         shown.iter().map(|&frame| (media.backdrop)(&asked.name, frame).map(|jpeg| base64(&jpeg))).collect();
     let protocols = protocols(&board.protocols, asked);
     Ok(ScenePage { targets, things, answers, pool: pool.into_texts(), backdrops, protocols })
+}
+
+/// Tells which masks are there and not shown, and what is wrong with their files.
+fn report(
+    masks: &[Option<Vec<i64>>],
+    queries: &[&Query],
+    reader: &SceneReader<'_>,
+    (dir, wrong): (&ResultsDir, Report),
+    media: &Media,
+) {
+    let mut found = media.found.lock().unwrap_or_else(PoisonError::into_inner);
+    let is_error = |finding: &Finding| finding.severity == Severity::Error;
+    wrong.into_sorted().into_iter().filter(is_error).for_each(|finding| found.add(finding));
+    let is_hidden =
+        |(query, places): &(&&Query, &Option<Vec<i64>>)| places.is_none() && reader.has(&query.id);
+    let hidden: Vec<&str> =
+        queries.iter().zip(masks).filter(is_hidden).map(|(query, _)| query.id.number.as_str()).collect();
+    let Some(first) = queries.first().filter(|_| !hidden.is_empty()) else { return };
+    let message =
+        format!("the masks of {} are not those that were scored, and are not shown", hidden.join(", "));
+    let folder = dir.masks().join(first.id.scene.as_str());
+    let hint = "run `l4d check-results`, mend what it finds, and score the method again";
+    found.warning(codes::OTHER_MASKS, &folder, "", message, hint);
 }
 
 /// Percent, in the order of all metrics.

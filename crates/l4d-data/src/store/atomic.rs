@@ -115,7 +115,7 @@ impl AtomicFile {
 }
 
 /// The folder of a file, also of one without a folder before its name.
-fn folder_of(path: &Path) -> &Path {
+pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 

@@ -2,6 +2,8 @@
 
 use std::fs::{File, TryLockError};
 use std::path::Path;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use super::{make_folder, sweep};
 use crate::error::DataError;
@@ -9,7 +11,10 @@ use crate::error::DataError;
 /// The right to write into a folder; dropping gives it back, and so does a kill. The folder itself is locked, so that
 /// nothing is left in it.
 #[derive(Debug)]
-pub struct FolderLock(File);
+pub struct FolderLock(pub(super) File);
+
+/// How long a run waits for one that is about to end.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 impl FolderLock {
     /// Makes the folder if it is missing, and removes what killed runs left half-written below it.
@@ -17,16 +22,36 @@ impl FolderLock {
     /// # Errors
     /// A folder that another run writes into, and what the disk refuses.
     pub fn take(folder: &Path) -> Result<Self, DataError> {
+        let lock = Self::ask(folder)?.ok_or_else(|| busy(folder))?;
+        sweep(folder)?;
+        Ok(lock)
+    }
+
+    /// The same for a folder that may hold much else: waits a moment, and looks at nothing in it.
+    pub(super) fn wait(folder: &Path) -> Result<Self, DataError> {
+        let begin = Instant::now();
+        loop {
+            match Self::ask(folder)? {
+                Some(lock) => return Ok(lock),
+                None if begin.elapsed() > PATIENCE => return Err(busy(folder)),
+                None => sleep(PATIENCE / 100),
+            }
+        }
+    }
+
+    /// None where another run has it.
+    fn ask(folder: &Path) -> Result<Option<Self>, DataError> {
         make_folder(folder)?;
         let file = File::open(folder).map_err(|source| DataError::io(folder, "open the folder", source))?;
         // A filesystem that cannot lock folders is no error.
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            let remedy = "wait until it has ended, or choose another folder";
-            return Err(DataError::invalid(folder, "folder", "another l4d writes into it", remedy));
-        }
-        sweep(folder)?;
-        Ok(Self(file))
+        let is_busy = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+        Ok((!is_busy).then_some(Self(file)))
     }
+}
+
+fn busy(folder: &Path) -> DataError {
+    let remedy = "wait until it has ended, or choose another folder";
+    DataError::invalid(folder, "folder", "another l4d writes into it", remedy)
 }
 
 impl Drop for FolderLock {

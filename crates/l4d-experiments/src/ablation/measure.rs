@@ -32,7 +32,7 @@ pub(super) fn measure(variant: &Variant, order: &Ablation<'_>, progress: &dyn Pr
 
     let options = Options::default();
     let Scored { summaries, report } =
-        score_results(&results.join(variant.name.as_str()), exam, &options, &scores, |_| {})?;
+        score_results(&results.join(variant.name.as_str()), exam, &options, &scores, false, |_| {})?;
     let Some(summary) = summaries.into_iter().next() else {
         let findings = report.into_sorted();
         let first = findings.iter().find(|finding| finding.severity == Severity::Error);

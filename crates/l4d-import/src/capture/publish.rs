@@ -10,7 +10,7 @@ use l4d_data::benchmark::{Manifest, SetSplit};
 use l4d_data::capture::{Capture, MASKS, MaskSet, MaskedInstance};
 use l4d_data::layout::BenchDir;
 use l4d_data::scene::{OBJECT_IDS, Role};
-use l4d_data::store::write_atomic;
+use l4d_data::store::{holds, write_atomic};
 use l4d_data::truth::{InstanceTruth, SCHEMA, Truth, frame_key};
 use l4d_data::{Benchmark, Camera, DataError, Name, Profile, Scale, json};
 use l4d_masks::Rle;
@@ -31,34 +31,45 @@ pub struct Published {
     pub frames: usize,
 }
 
-/// Writes the truth of a capture into a benchmark folder, and the folder itself where there is none. Queries that
-/// that are there stay.
+/// Writes the truth of a capture into a benchmark folder, and the folder itself where there is none. Queries
+/// that are there stay, and so does other truth unless `force`.
 ///
 /// # Errors
-/// No or several held-out views with masks, more objects than there are ids, a folder of rendered scenes, and
-/// damaged masks.
-pub fn publish(capture: &Capture, set: &MaskSet, scale: Scale, bench: &Path) -> Result<Published, DataError> {
+/// No or several held-out views with masks, more objects than there are ids, a folder of rendered scenes, other truth
+/// that is there, and damaged masks.
+pub fn publish(
+    capture: &Capture,
+    set: &MaskSet,
+    scale: Scale,
+    bench: &Path,
+    force: bool,
+) -> Result<Published, DataError> {
     let truth = truth_of(capture, set, scale)?;
     let dir = BenchDir::new(bench);
     let manifest = manifest(&dir, &capture.name)?;
     let path = dir.truth(Profile::Real, &capture.name);
-    json::write_compact(&path, &truth)?;
+    let remedy = "give another --bench or --name, or replace it with --force";
+    if !holds(&path, &json::compact(&path, &truth)?, force, remedy)? {
+        json::write_compact(&path, &truth)?;
+    }
     let queries = dir.queries(&capture.name);
     if !queries.exists() {
         write_atomic(&queries, b"")?;
     }
-    let text = manifest.to_toml(HEADING);
-    let text = text.map_err(|error| DataError::format(&dir.manifest(), "manifest", error))?;
-    write_atomic(&dir.manifest(), text.as_bytes())?;
+    if let Some(manifest) = manifest {
+        let text = manifest.to_toml(HEADING);
+        let text = text.map_err(|error| DataError::format(&dir.manifest(), "manifest", error))?;
+        write_atomic(&dir.manifest(), text.as_bytes())?;
+    }
     // What was written must be what will be read.
     Truth::read(&path)?;
     Ok(Published { queries, annotated: truth.frames.len(), frames: truth.clip().len(), truth: path })
 }
 
-/// The manifest with the scene among its scenes.
-fn manifest(dir: &BenchDir, scene: &Name) -> Result<Manifest, DataError> {
+/// The manifest with the scene among its scenes; none where it is among them already.
+fn manifest(dir: &BenchDir, scene: &Name) -> Result<Option<Manifest>, DataError> {
     if !dir.manifest().exists() {
-        return Ok(Manifest {
+        return Ok(Some(Manifest {
             name: "Real scenes".to_owned(),
             version: "0.1.0".to_owned(),
             licence: "as the source of each capture".to_owned(),
@@ -66,7 +77,7 @@ fn manifest(dir: &BenchDir, scene: &Name) -> Result<Manifest, DataError> {
             variant: 0,
             seed: 0,
             scenes: vec![scene.clone()],
-        });
+        }));
     }
     let mut manifest = Benchmark::open(dir.root())?.manifest;
     if let Some(rendered) = manifest.scenes.iter().find(|scene| dir.tracks(scene).exists()) {
@@ -74,10 +85,11 @@ fn manifest(dir: &BenchDir, scene: &Name) -> Result<Manifest, DataError> {
         let remedy = "give real scenes a folder of their own with --bench";
         return Err(DataError::invalid(dir.root(), "folder", message, remedy));
     }
-    if !manifest.scenes.contains(scene) {
-        manifest.scenes.push(scene.clone());
+    if manifest.scenes.contains(scene) {
+        return Ok(None);
     }
-    Ok(manifest)
+    manifest.scenes.push(scene.clone());
+    Ok(Some(manifest))
 }
 
 fn truth_of(capture: &Capture, set: &MaskSet, scale: Scale) -> Result<Truth, DataError> {

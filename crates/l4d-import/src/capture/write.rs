@@ -17,6 +17,8 @@ use super::Order;
 use super::plan::{Plan, View};
 use crate::points::{add_point, model_of_pinholes};
 
+/// In the folder while an import writes it: what it left when it was killed is its own.
+const CLAIM: &str = ".l4d-import";
 /// No picture file is larger, bytes.
 const MAX_BYTES: u64 = 256 << 20;
 
@@ -75,26 +77,36 @@ pub(super) fn write(
         notes: plan.notes,
     };
     json::write(&order.out.join(CAPTURE), &capture)?;
+    let claim = order.out.join(CLAIM);
+    std::fs::remove_file(&claim).map_err(|source| DataError::io(&claim, "remove", source))?;
     Ok(capture)
 }
 
-/// Takes possession of the folder: empty, or of an earlier import of the same scene. What says that it is whole goes first.
+/// Takes possession of the folder: empty, or of an earlier import of the same scene, which may have been killed. What says
+/// that it is whole goes first.
 fn claim(order: &Order<'_>) -> Result<(), DataError> {
     make_folder(order.out)?;
     let refuse = |message: String| {
         let remedy = "choose an empty folder with --out, or remove this one";
         Err(DataError::invalid(order.out, "folder", message, remedy))
     };
-    let ours = [CAPTURE, MASKS, SPARSE, "frames"];
+    let path = order.out.join(CAPTURE);
+    let claim = order.out.join(CLAIM);
+    let ours: &[&str] = match path.is_file() || claim.exists() {
+        true => &[CAPTURE, MASKS, SPARSE, "frames"],
+        false => &[],
+    };
     if let Some(entry) = list_folder(order.out)?.into_iter().find(|entry| !ours.contains(&entry.as_str())) {
         return refuse(format!("is not empty: `{}` is there", inert(&entry)));
     }
-    let path = order.out.join(CAPTURE);
     if path.is_file() {
         let earlier = Capture::read(order.out)?;
         if (&earlier.name, earlier.source.as_str()) != (order.name, order.source.to_string().as_str()) {
             return refuse(format!("holds {} of {}", earlier.name, inert(&earlier.source)));
         }
+    }
+    write_atomic(&claim, b"")?;
+    if path.is_file() {
         std::fs::remove_file(&path).map_err(|source| DataError::io(&path, "remove", source))?;
     }
     Ok(())

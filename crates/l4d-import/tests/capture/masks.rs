@@ -65,7 +65,7 @@ fn pictures_find_view_and_frame_by_their_names() {
     // Annotated without it: absent. Not annotated: unknown.
     assert_eq!(set.instances[0].masks["cam01"]["0002"], None);
     assert!(!set.instances[0].masks["cam01"].contains_key("0001"));
-    let path = set.write(&bench.out()).unwrap();
+    let path = set.write(&bench.out(), false).unwrap();
     let again: MaskSet = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
     assert_eq!(again, set);
 }

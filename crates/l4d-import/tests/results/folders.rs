@@ -39,7 +39,8 @@ fn score(bench: &Bench, imported: &Imported) -> Summary {
     let exam = Exam::open(bench.open(), Profile::Tiny, QuerySet::Queries, &[], &mut report).unwrap();
     let card = MethodCard::read(&results.join("theirs/method.json")).unwrap();
     assert_eq!((card.used.depth, card.used.track()), (true, Track::ColourDepth));
-    let scored = score_results(&results, &exam, &Options::default(), &bench.path("scores"), |_| ()).unwrap();
+    let scored =
+        score_results(&results, &exam, &Options::default(), &bench.path("scores"), false, |_| ()).unwrap();
     assert!(!scored.report.has_errors(), "{:?}", scored.report);
     scored.summaries.into_iter().next().unwrap()
 }

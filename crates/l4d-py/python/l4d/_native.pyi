@@ -666,6 +666,7 @@ def score(
     resize: bool = False,
     scores: Optional[_Path] = None,
     max_megabytes: int = 4000,
+    force: bool = False,
 ) -> _Scores:
     """Scores a results folder, or a folder of them: the document that `l4d score --json` prints, number for number.
 

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use l4d_data::results::{MethodCard, Used};
-use l4d_data::store::{read_bounded, write_atomic};
+use l4d_data::store::{Claim, Earlier, read_bounded, write_atomic};
 use l4d_data::{DataError, Name, Profile, QueryId, QuerySet, json as file};
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
@@ -97,10 +97,14 @@ impl Record {
     /// Writes `<scores>/<method>/protocol-<name>.{csv,json}`.
     ///
     /// # Errors
-    /// What the disk refuses.
-    pub fn write(&self, scores: &Path) -> Result<(), DataError> {
+    /// Files of others of these names, unless `force`, and what the disk refuses.
+    pub fn write(&self, scores: &Path, force: bool) -> Result<(), DataError> {
         let Self { origin, sheet } = self;
         let path = |ending| path(scores, &sheet.method, sheet.protocol, ending);
+        let [csv, json] = ["csv", "json"].map(|ending| file_name(sheet.protocol, ending));
+        let earlier = Earlier { file: &json, says: SCHEMA };
+        let folder = scores.join(sheet.method.as_str());
+        let _claim = Claim::take(&folder, vec![csv, json.clone()], Some(earlier), force)?;
         write_atomic(&path("csv"), sheet.to_csv().as_bytes())?;
         let origin = serde_json::to_value(origin).expect("names, flags and numbers serialise");
         let mut document = sheet.to_json();
@@ -156,7 +160,11 @@ impl Record {
 }
 
 fn path(scores: &Path, method: &str, protocol: Protocol, ending: &str) -> PathBuf {
-    scores.join(method).join(format!("{}.{ending}", file_stem(protocol)))
+    scores.join(method).join(file_name(protocol, ending))
+}
+
+fn file_name(protocol: Protocol, ending: &str) -> String {
+    format!("{}.{ending}", file_stem(protocol))
 }
 
 fn read_rows(path: &Path, protocol: Protocol, again: &str) -> Result<Vec<Row>, DataError> {
@@ -239,7 +247,7 @@ mod tests {
     fn what_was_written_is_read_and_the_numbers_are_derived_again() {
         let folder = tempfile::tempdir().unwrap();
         let written = record();
-        written.write(folder.path()).unwrap();
+        written.write(folder.path(), false).unwrap();
         let read = Record::read(folder.path(), "mine", Protocol::LangSplat).unwrap().unwrap();
         assert_eq!((&read.origin, &read.sheet.left_out), (&written.origin, &written.sheet.left_out));
         assert_eq!(read.sheet.left_out[0].frames, 7);
@@ -254,7 +262,7 @@ mod tests {
     #[test]
     fn damage_names_its_file_and_place() {
         let folder = tempfile::tempdir().unwrap();
-        record().write(folder.path()).unwrap();
+        record().write(folder.path(), false).unwrap();
         let path = |ending| path(folder.path(), "mine", Protocol::LangSplat, ending);
         let read = || -> DataError { Record::read(folder.path(), "mine", Protocol::LangSplat).unwrap_err() };
         for (ending, from, to, told) in [

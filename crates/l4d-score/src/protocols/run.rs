@@ -5,6 +5,7 @@ use std::path::Path;
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::MethodCard;
+use l4d_data::store::FolderLock;
 use l4d_data::{DataError, Name, Query, QueryId, Report};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -54,28 +55,32 @@ impl Protocolled {
 }
 
 /// Judges one method or a folder of them and writes `<scores>/<method>/protocol-<name>.{csv,json}`. A method with an
-/// error finding has no numbers. `progress` gets the name of each method that was read.
+/// error finding has no numbers. Files of others are replaced only if `force` is set. `progress` gets the name of each
+/// method that was read.
 ///
 /// # Errors
-/// A folder that cannot be listed, truth that is damaged, and what the disk refuses.
+/// A folder that cannot be listed, truth that is damaged, a folder that another run writes into, files of others, and
+/// what the disk refuses.
 pub fn judge_results(
     root: &Path,
     exam: &Exam,
     protocol: Protocol,
     options: &Options,
     scores: &Path,
+    force: bool,
     progress: impl Fn(&str),
 ) -> Result<Protocolled, DataError> {
     let mut report = Report::default();
     let resize = options.resize || protocol.rules().resizes;
     let options = Options { resize, ..*options };
+    let _lock = FolderLock::take(scores)?;
     let sheets = each_method(root, exam, resize, &mut report, progress, |dir, card, found| {
         let sheet = judge_method(dir, &card, exam, protocol, &options, found)?;
         if found.has_errors() {
             return Ok(None);
         }
         let record = Record { origin: Origin::new(card, exam, &options), sheet };
-        record.write(scores)?;
+        record.write(scores, force)?;
         Ok(Some(record.sheet))
     })?;
     Ok(Protocolled { protocol, sheets, report })

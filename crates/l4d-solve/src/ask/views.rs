@@ -69,11 +69,15 @@ pub(super) fn write_masks(
     masks: &BTreeMap<PictureIndex, Mask>,
 ) -> Result<(), DataError> {
     for (index, mask) in masks {
-        let (camera, instant) = plan.of(*index);
-        let path = folder.join("masks").join(camera.name.as_str()).join(format!("{}.png", instant.key));
-        write_atomic(&path, &png::encode(mask))?;
+        write_atomic(&folder.join(mask_name(plan, *index)), &png::encode(mask))?;
     }
     Ok(())
+}
+
+/// Where the mask of a picture goes.
+pub(super) fn mask_name(plan: &Plan, index: PictureIndex) -> String {
+    let (camera, instant) = plan.of(index);
+    format!("masks/{}/{}.png", camera.name, instant.key)
 }
 
 /// Camera -> frame or time -> pixels of the answer.

@@ -14,6 +14,7 @@ use l4d_data::{Camera, DataError, Name, json};
 use l4d_frames::drawn::{DepthMap, RgbImage, decode_colour, decode_depth_png, encode_colour, picture_of};
 use l4d_frames::exr::{decode_depth, encode_depth};
 use l4d_frames::photo::PhotoError;
+use l4d_splat::raster::RasterSettings;
 use l4d_splat::source::Source;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -60,6 +61,17 @@ pub struct ModelEntry {
     pub dynamic: usize,
     /// SHA-256 of the files of the model.
     pub inputs: BTreeMap<String, String>,
+    /// From where on it is drawn, units of its world.
+    #[serde(default = "usual_near", skip_serializing_if = "is_usual_near")]
+    pub near_m: f32,
+}
+
+fn usual_near() -> f32 {
+    RasterSettings::default().near_m
+}
+
+fn is_usual_near(near_m: &f32) -> bool {
+    near_m.to_bits() == usual_near().to_bits()
 }
 
 impl From<&Source> for ModelEntry {
@@ -70,6 +82,7 @@ impl From<&Source> for ModelEntry {
             gaussians: source.model.gaussians.len(),
             dynamic: source.model.dynamic.len(),
             inputs: source.inputs.clone(),
+            near_m: source.near_m,
         }
     }
 }
@@ -157,7 +170,7 @@ impl FrameEntry {
 pub enum Overwrite {
     /// Other clips, and files that no manifest speaks of, are an error.
     Never,
-    /// Clips of another model or look give way; the same ones are kept.
+    /// Clips of another model or look give way; the same ones are kept. Files that no manifest speaks of are an error.
     Stale,
     /// Everything is drawn again.
     Always,
@@ -210,7 +223,7 @@ impl ClipsFolder {
         }
         let folder =
             Self { root, manifest: Manifest { schema: SCHEMA.to_owned(), drawn: look, views }, is_continued };
-        if overwrite == Overwrite::Never {
+        if overwrite != Overwrite::Always {
             folder.refuse_other_files(plan)?;
         }
         json::write(&path, &folder.manifest)?;

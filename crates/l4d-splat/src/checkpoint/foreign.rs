@@ -94,6 +94,8 @@ pub struct ReaderOptions {
     pub reader: Option<Reader>,
     /// Degree of the harmonics that are drawn.
     pub sh_degree: Option<ShDegree>,
+    /// What is nearer than this is not drawn, units of its world.
+    pub near_m: Option<f32>,
 }
 
 /// The moments that a model was trained on.

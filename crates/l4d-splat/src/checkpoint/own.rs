@@ -106,7 +106,7 @@ pub struct Training {
 }
 
 /// Schema tag of a checkpoint.
-const SCHEMA: &str = "l4d/splats/1";
+pub(crate) const SCHEMA: &str = "l4d/splats/1";
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use l4d_data::results::Track;
+use l4d_data::store::{self, Earlier};
 use l4d_data::{DataError, Name, Profile, StageError, json};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -77,6 +78,13 @@ impl Spent {
 pub(super) struct SplatsFolder(pub(super) PathBuf);
 
 impl SplatsFolder {
+    /// The right to write into it. The numbers are in files that are called by their digest: nobody else's.
+    pub(super) fn take(&self, overwrite: bool) -> Result<store::Claim> {
+        let names = [MANIFEST, own::CARD].map(str::to_owned).to_vec();
+        let earlier = Earlier { file: own::CARD, says: own::SCHEMA };
+        Ok(store::Claim::take(&self.0, names, Some(earlier), overwrite)?)
+    }
+
     /// Looks whether this training has been here. What belongs to another one is refused, unless it may go.
     pub(super) fn claim(&self, origin: &Origin, overwrite: bool) -> Result<Claim> {
         let manifest = self.0.join(MANIFEST);

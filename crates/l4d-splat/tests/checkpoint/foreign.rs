@@ -245,7 +245,11 @@ fn the_export_says_when_moments_were_and_how_they_were_drawn() {
     assert_eq!(cut[bias].data, whole[bias].data[..3]);
 
     // A user knows better, and an older export says nothing.
-    let reader_options = ReaderOptions { reader: Some(Reader::Dynerf), sh_degree: ShDegree::new(2) };
+    let reader_options = ReaderOptions {
+        reader: Some(Reader::Dynerf),
+        sh_degree: ShDegree::new(2),
+        ..ReaderOptions::default()
+    };
     let model = foreign::read(&output, reader_options).unwrap();
     assert_eq!(model.moments, Moments::Listed(vec![0, 48, 96], Reader::Dynerf.trained(3).times));
     assert_eq!((model.background, model.gaussians.sh_degree.get()), (Some([1.0; 3]), 2));

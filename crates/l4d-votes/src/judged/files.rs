@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use l4d_data::store::{read_bounded, write_atomic};
+use l4d_data::store::{Claim, Earlier, read_bounded, write_atomic};
 use l4d_data::{Benchmark, DataError, Name, Query, QueryId, Report, StageError, json};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -44,6 +44,16 @@ struct Row<'a> {
 struct Remembered {
     item: ItemId,
     change: Change,
+}
+
+/// The right to write the files of a verdict.
+///
+/// # Errors
+/// Files that l4d did not write, unless `force`, and a round that another run writes into.
+pub fn claim(judged: &Judged, force: bool) -> Result<Claim, StageError> {
+    let files = [judged.dir.verdicts(), judged.dir.agreement(), judged.dir.refine()];
+    let earlier = Earlier { file: "agreement.json", says: "l4d/agreement/" };
+    Ok(judged.dir.claim(&files, earlier, force)?)
 }
 
 /// Writes `agreement.json` and `refine.jsonl`. The verdicts come last ([`pronounce`]): with them the verdict counts.

@@ -7,6 +7,7 @@ use l4d_ground::oracle::NoisePreset;
 use l4d_score::{Exam, QuerySet};
 use serde_json::json;
 
+use super::claim;
 use crate::cli::solver::BenchLiftArgs;
 use crate::out::{ExitStatus, Printer};
 use crate::{figures, rasterizer};
@@ -14,7 +15,7 @@ use crate::{figures, rasterizer};
 pub(crate) fn run(args: &BenchLiftArgs, out: &Printer) -> Result<ExitStatus> {
     let opened = rasterizer::open(&args.adapter.adapter)?;
     let bench_folder = Benchmark::open(&args.bench)?;
-    let space = args.work.space(args.profile, bench_folder.manifest.draw());
+    let space = args.work.space(args.profile);
     let exam =
         Exam::open(bench_folder, args.profile, QuerySet::Queries, &args.scenes, &mut Report::default())?;
     let folder = args.out.clone().unwrap_or_else(|| space.shared().bench("lift"));
@@ -29,6 +30,7 @@ pub(crate) fn run(args: &BenchLiftArgs, out: &Printer) -> Result<ExitStatus> {
         rasterizer: opened.rasterizer.as_ref(),
         adapter: opened.adapter.clone(),
     };
+    let _claim = claim(&folder, "lift", args.force)?;
     let benched = bench(&order, out)?;
     let figures = figures::publish_lift(&benched, &opened.rasterizer.name(), &folder, out)?;
     match args.json {

@@ -1,10 +1,11 @@
 //! `l4d bench splats`: milliseconds against PSNR of ways to draw a model.
 
 use anyhow::Result;
-use l4d_data::{Draw, Name};
+use l4d_data::Name;
 use l4d_splat::speed::{Backend, Order, measure_speed, text};
 use serde_json::json;
 
+use super::claim;
 use crate::cli::splats::BenchSplatsArgs;
 use crate::figures;
 use crate::out::{ExitStatus, Printer};
@@ -13,7 +14,7 @@ use crate::rasterizer;
 pub(crate) fn run(args: &BenchSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let adapters: Vec<Backend> =
         args.adapters.iter().map(|adapter| rasterizer::backend(adapter)).collect::<Result<_>>()?;
-    let space = args.work.space(args.profile, Draw::default());
+    let space = args.work.space(args.profile);
     let scene = args.scene.as_deref().map(Name::new).transpose()?;
     let folder = args.out.clone().unwrap_or_else(|| space.shared().bench("splats"));
     let order = Order {
@@ -29,6 +30,7 @@ pub(crate) fn run(args: &BenchSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         repeats: args.repeats,
         folder: &folder,
     };
+    let _claim = claim(&folder, "splats", args.force)?;
     let speed = measure_speed(&order, adapters, out)?;
     let figures = figures::publish_splats(&speed, &folder, out)?;
     match args.json {

@@ -1,24 +1,23 @@
 //! What the page is made from: masks of methods, pictures of the held-out view.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use anyhow::Result;
-use l4d_board::{Board, LONGEST_SIDE_PX, Media, publish_page};
-use l4d_data::Name;
+use l4d_board::{LONGEST_SIDE_PX, Media};
+use l4d_data::{Name, Report};
 use l4d_frames::backdrop::Backdrop;
 use l4d_score::Exam;
 
 use crate::cli::judging::LeaderboardArgs;
 use crate::out::Printer;
 
-pub(super) fn write(
+pub(super) fn with_media<T>(
     args: &LeaderboardArgs,
     exam: &Exam,
-    board: &Board,
-    output: &Path,
     out: &Printer,
-) -> Result<PathBuf> {
+    publish: impl FnOnce(&Media<'_>) -> Result<T>,
+) -> Result<T> {
     let results = args.results.is_dir().then_some(args.results.as_path());
     if results.is_none() {
         out.warn(format!(
@@ -31,8 +30,10 @@ pub(super) fn write(
         let found = backdrops.get(scene)?.jpeg(frame);
         found.inspect_err(|error| tracing::warn!("no picture under the masks: {error}")).ok()
     };
-    let media = Media { exam, results, backdrop: &jpeg };
-    Ok(publish_page(board, &media, output)?)
+    let found = Mutex::new(Report::default());
+    let published = publish(&Media { exam, results, backdrop: &jpeg, found: &found })?;
+    out.warnings(found.into_inner().unwrap_or_else(PoisonError::into_inner));
+    Ok(published)
 }
 
 /// The held-out views of the scenes that are rendered.

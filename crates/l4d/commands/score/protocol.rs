@@ -32,7 +32,7 @@ pub(super) fn run(
     let scores =
         args.scores.clone().unwrap_or_else(|| default_scores(exam.set.as_str(), Some(protocol.as_str())));
     let progress = |name: &str| out.note(format!("read {name}"));
-    let mut judged = judge_results(&args.results, exam, protocol, options, &scores, progress)?;
+    let mut judged = judge_results(&args.results, exam, protocol, options, &scores, args.force, progress)?;
     report.extend(std::mem::take(&mut judged.report));
     let status = Printer::status(&report);
     if args.json {
