@@ -6,6 +6,7 @@ use std::path::Path;
 use l4d_data::tracks::{TrackedInstance, at_frame};
 use l4d_data::{Event, Report, Scale};
 
+use crate::relations::contact;
 use crate::verbs;
 use crate::world::World;
 
@@ -127,7 +128,7 @@ impl Declared<'_, '_> {
 
 fn is_on_treadmill(world: &World<'_>, subject: &TrackedInstance, frame: u32) -> bool {
     let mut machines = world.instances().filter(|instance| instance.category == "treadmill");
-    machines.any(|machine| world.contact(subject, machine).at(frame))
+    machines.any(|machine| contact(world, world.slack(), subject, machine).at(frame))
 }
 
 /// Length of the path of the box centre, metres.

@@ -1,0 +1,99 @@
+//! What each part of a belief is worth: how often the first of the ranked is what is meant, by category.
+//!
+//! `cargo test -p l4d-query --test worth -- --nocapture` prints the table of the development scenes.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use l4d_data::{Benchmark, Profile, Query, Report, Temporal};
+use l4d_query::prove::SceneSet;
+use l4d_query::soft::{Belief, BelievedEvent, Meant, Noise, Thing, rank};
+use l4d_query::{Predicate, Times};
+
+fn sets(folder: &str) -> Vec<SceneSet> {
+    let bench = Benchmark::open(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)).unwrap();
+    let scenes = bench.select(&[]).unwrap();
+    let read = |scene| SceneSet::read(&bench, Profile::Small, scene, &mut Report::default()).unwrap();
+    scenes.iter().map(read).collect()
+}
+
+fn predicate(query: &Query) -> Predicate {
+    Predicate::from_json(query.predicate.as_ref().unwrap()).unwrap()
+}
+
+#[test]
+fn the_first_of_the_ranked_is_what_is_meant() {
+    for folder in ["../../benchmark", "../../benchmark/dev"] {
+        for set in sets(folder) {
+            let belief = Belief::certain(&set.tracks).unwrap();
+            for query in set.queries.iter().chain(&set.composites) {
+                let ranked = rank(&belief, &predicate(query), query.temporal);
+                assert_eq!([&ranked[0].name], query.referents.iter().collect::<Vec<_>>()[..], "{}", query.id);
+                let second = ranked.get(1).map_or(0.0, |one| one.score);
+                assert!(ranked[0].score > second, "{}: {} and {second}", query.id, ranked[0].score);
+                let frames = query.frames.iter().map(|&interval| Times::of(interval));
+                let frames = l4d_query::times::any_of(frames);
+                assert_eq!(ranked[0].when.likely(), frames, "{}", query.id);
+                assert!(query.temporal == Temporal::While || frames.all());
+            }
+        }
+    }
+}
+
+/// Changes what is believed of a scene.
+type Doubt = fn(&mut Vec<Thing>, &mut Vec<BelievedEvent>);
+
+fn no_attributes(things: &mut Vec<Thing>, _: &mut Vec<BelievedEvent>) {
+    things.iter_mut().for_each(|thing| thing.attributes.clear());
+}
+
+fn no_events(_: &mut Vec<Thing>, events: &mut Vec<BelievedEvent>) {
+    events.clear();
+}
+
+#[test]
+fn every_part_of_a_belief_is_worth_something() {
+    let sets = sets("../../benchmark/dev");
+    let doubts: [(&str, &[Doubt]); 4] = [
+        ("all that is true", &[]),
+        ("kinds, boxes", &[no_attributes, no_events]),
+        ("kinds, boxes, attributes", &[no_events]),
+        ("kinds, boxes, events", &[no_attributes]),
+    ];
+    let mut shares = Vec::new();
+    for (title, doubts) in doubts {
+        let mut tally: BTreeMap<String, [f64; 2]> = BTreeMap::new();
+        for set in &sets {
+            let certain = Belief::certain(&set.tracks).unwrap();
+            let (mut things, mut events) = (certain.things().cloned().collect(), certain.events().to_vec());
+            doubts.iter().for_each(|doubt| doubt(&mut things, &mut events));
+            let names = set.tracks.instances.iter().map(|one| &one.name);
+            let names = names.map(|name| (name.clone(), Meant::Thing(name.clone()))).collect();
+            let belief = Belief::new(&set.tracks, things, events, Noise::NONE).unwrap().with_names(names);
+            for query in set.queries.iter().chain(&set.composites) {
+                let ranked = rank(&belief, &predicate(query), query.temporal);
+                let best = ranked.iter().filter(|one| one.score >= ranked[0].score - 1e-12);
+                let best: Vec<_> = best.collect();
+                // Of several that fit equally well one is guessed.
+                let is_among = best.iter().any(|one| query.referents.contains(&one.name));
+                let share = if is_among { 1.0 / best.len() as f64 } else { 0.0 };
+                let names: Vec<&str> = query.categories.iter().map(|category| category.as_str()).collect();
+                let keys = [names.join("+"), if names.len() > 1 { "composites" } else { "all" }.to_owned()];
+                for key in keys {
+                    let counts = tally.entry(key).or_default();
+                    *counts = [counts[0] + share, counts[1] + 1.0];
+                }
+            }
+        }
+        let share = |[found, asked]: &[f64; 2]| 100.0 * found / asked;
+        println!("{title}");
+        for (key, counts) in &tally {
+            println!("  {key:<24}{:>6.1} of {:>3}", share(counts), counts[1]);
+        }
+        shares.push(share(&tally["all"]));
+    }
+    assert_eq!(shares[0], 100.0);
+    let [_, bare, attributes, events] = shares[..] else { panic!("four beliefs") };
+    assert!(bare < attributes && bare < events && attributes < 100.0 && events < 100.0, "{shares:?}");
+}
