@@ -25,7 +25,7 @@ use self::judging::{BaselineArgs, CheckResultsArgs, LeaderboardArgs, ScoreArgs};
 use self::models::{EndpointCommand, ProposePromptsArgs, ProposeScenesArgs};
 use self::publishing::{HostCommand, ReleaseArgs};
 use self::scenes::{
-    BuildScenesArgs, CheckScenesArgs, ComposeArgs, DoctorArgs, DrawVariantArgs, PythonArgs, SheetArgs,
+    ArrangeArgs, BuildScenesArgs, CheckScenesArgs, ComposeArgs, DoctorArgs, DrawVariantArgs, PythonArgs, SheetArgs,
 };
 use self::solver::{AblateArgs, QueryArgs, SolveArgs};
 use self::splats::{BenchCommand, RenderSplatsArgs, TrainSplatsArgs};
@@ -64,6 +64,8 @@ pub(crate) enum Command {
     Sheet(SheetArgs),
     /// Compose new scenes with proved queries from seeds: training sets, private tests
     Compose(ComposeArgs),
+    /// Render furnished places filled with drawn things: pictures to learn from
+    Arrange(ArrangeArgs),
     /// Show the scenes with other looks and keep the queries that still mean one thing
     DrawVariant(DrawVariantArgs),
     /// Prove that each query has exactly one referent and real distractors
@@ -142,6 +144,7 @@ impl Command {
             Self::Quickstart(_)
             | Self::BuildScenes(_)
             | Self::Compose(_)
+            | Self::Arrange(_)
             | Self::DrawVariant(_)
             | Self::ProposePrompts(_)
             | Self::ProposeScenes(_)

@@ -7,6 +7,7 @@ mod build_scenes;
 mod check_queries;
 mod check_results;
 mod check_scenes;
+mod arrange;
 mod compose;
 mod doctor;
 mod draw_variant;
@@ -51,6 +52,7 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::CheckScenes(args) => check_scenes::run(args, out),
         Command::Sheet(args) => sheet::run(args, out),
         Command::Compose(args) => compose::run(args, out),
+        Command::Arrange(args) => arrange::run(args, out),
         Command::DrawVariant(args) => draw_variant::run(args, out),
         Command::CheckQueries(args) => check_queries::run(args, out),
         Command::Stats(args) => stats::run(args, out),
