@@ -6,6 +6,7 @@
 
 mod belief;
 mod degrees;
+pub mod derive;
 mod read;
 pub mod settings;
 #[cfg(test)]

@@ -6,13 +6,14 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use l4d_data::tracks::Tracks;
 use l4d_data::{Benchmark, Profile, Query, Report, Temporal};
 use l4d_query::prove::SceneSet;
-use l4d_query::soft::{Belief, BelievedEvent, Meant, Noise, Thing, rank};
+use l4d_query::soft::{Belief, BelievedEvent, Meant, Noise, Thing, derive, rank};
 use l4d_query::{Predicate, Times};
 
 fn sets(folder: &str) -> Vec<SceneSet> {
-    let bench = Benchmark::open(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)).unwrap();
+    let bench = Benchmark::open(Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)).unwrap();
     let scenes = bench.select(&[]).unwrap();
     let read = |scene| SceneSet::read(&bench, Profile::Small, scene, &mut Report::default()).unwrap();
     scenes.iter().map(read).collect()
@@ -41,38 +42,49 @@ fn the_first_of_the_ranked_is_what_is_meant() {
     }
 }
 
-/// Changes what is believed of a scene.
-type Doubt = fn(&mut Vec<Thing>, &mut Vec<BelievedEvent>);
-
-fn no_attributes(things: &mut Vec<Thing>, _: &mut Vec<BelievedEvent>) {
-    things.iter_mut().for_each(|thing| thing.attributes.clear());
+/// What is known of a scene beside kinds and boxes.
+#[derive(Clone, Copy, PartialEq)]
+struct Known {
+    attributes: bool,
+    events: Events,
 }
 
-fn no_events(_: &mut Vec<Thing>, events: &mut Vec<BelievedEvent>) {
-    events.clear();
+/// From where it is known what happens.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Events {
+    Unknown,
+    Derived,
+    Declared,
+}
+
+fn belief<'a>(tracks: &'a Tracks, predicate: &Predicate, known: Known) -> Belief<'a> {
+    let certain = Belief::certain(tracks).unwrap();
+    let mut things: Vec<Thing> = certain.things().cloned().collect();
+    if !known.attributes {
+        things.iter_mut().for_each(|thing| thing.attributes.clear());
+    }
+    let events: Vec<BelievedEvent> = match known.events {
+        Events::Unknown => Vec::new(),
+        Events::Derived => derive::events(tracks, predicate),
+        Events::Declared => certain.events().to_vec(),
+    };
+    let names = tracks.instances.iter().map(|one| (one.name.clone(), Meant::Thing(one.name.clone())));
+    Belief::new(tracks, things, events, Noise::NONE).unwrap().with_names(names.collect())
 }
 
 #[test]
 fn every_part_of_a_belief_is_worth_something() {
     let sets = sets("../../benchmark/dev");
-    let doubts: [(&str, &[Doubt]); 4] = [
-        ("all that is true", &[]),
-        ("kinds, boxes", &[no_attributes, no_events]),
-        ("kinds, boxes, attributes", &[no_events]),
-        ("kinds, boxes, events", &[no_attributes]),
-    ];
+    let parts = [(true, Events::Declared), (false, Events::Unknown), (true, Events::Unknown)];
+    let parts = parts.into_iter().chain([(false, Events::Declared), (true, Events::Derived)]);
     let mut shares = Vec::new();
-    for (title, doubts) in doubts {
+    for (attributes, events) in parts {
         let mut tally: BTreeMap<String, [f64; 2]> = BTreeMap::new();
         for set in &sets {
-            let certain = Belief::certain(&set.tracks).unwrap();
-            let (mut things, mut events) = (certain.things().cloned().collect(), certain.events().to_vec());
-            doubts.iter().for_each(|doubt| doubt(&mut things, &mut events));
-            let names = set.tracks.instances.iter().map(|one| &one.name);
-            let names = names.map(|name| (name.clone(), Meant::Thing(name.clone()))).collect();
-            let belief = Belief::new(&set.tracks, things, events, Noise::NONE).unwrap().with_names(names);
             for query in set.queries.iter().chain(&set.composites) {
-                let ranked = rank(&belief, &predicate(query), query.temporal);
+                let predicate = predicate(query);
+                let belief = belief(&set.tracks, &predicate, Known { attributes, events });
+                let ranked = rank(&belief, &predicate, query.temporal);
                 let best = ranked.iter().filter(|one| one.score >= ranked[0].score - 1e-12);
                 let best: Vec<_> = best.collect();
                 // Of several that fit equally well one is guessed.
@@ -87,13 +99,14 @@ fn every_part_of_a_belief_is_worth_something() {
             }
         }
         let share = |[found, asked]: &[f64; 2]| 100.0 * found / asked;
-        println!("{title}");
+        println!("attributes {attributes}, events {events:?}");
         for (key, counts) in &tally {
             println!("  {key:<24}{:>6.1} of {:>3}", share(counts), counts[1]);
         }
         shares.push(share(&tally["all"]));
     }
     assert_eq!(shares[0], 100.0);
-    let [_, bare, attributes, events] = shares[..] else { panic!("four beliefs") };
+    let [_, bare, attributes, events, derived] = shares[..] else { panic!("five beliefs") };
     assert!(bare < attributes && bare < events && attributes < 100.0 && events < 100.0, "{shares:?}");
+    assert!(derived > attributes + 5.0, "{shares:?}");
 }

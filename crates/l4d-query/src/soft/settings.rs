@@ -1,4 +1,4 @@
-//! Every number of the soft reading. They were chosen on the scenes of `benchmark/dev` alone.
+//! Every number of the soft reading: set by reasoning, not yet tuned. Only scenes of `benchmark/dev` may tune them.
 
 use l4d_data::{Category, Scale};
 

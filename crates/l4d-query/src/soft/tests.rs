@@ -248,3 +248,28 @@ fn a_person_is_a_woman_where_nobody_is_called_a_person() {
     // "woman" is no noun of this perceiver: whom it calls a person may be one.
     assert_eq!(tallest(&belief, "woman"), ["t1"]);
 }
+
+#[test]
+fn boxes_tell_who_lifts_what_and_when() {
+    // A hand goes down to the cup, raises it and takes it along; the other cup stays.
+    let height = |frame: u32| (f64::from(frame.clamp(30, 60)) - 30.0) / 100.0;
+    let cup_path: Vec<[f64; 3]> = (0..97).map(|frame| [0.0, 0.0, height(frame)]).collect();
+    let hand_path: Vec<[f64; 3]> = cup_path.iter().map(|at| [0.11, 0.0, at[2]]).collect();
+    let instances = [
+        moving(1, "a", "cup", &cup_path, [0.1; 3]),
+        standing(2, "b", "cup", [1., 0., 0.], [0.1; 3]),
+        moving(1001, "hand", "hand", &hand_path, [0.1; 3]),
+    ];
+    let mut tracks = tracks(&instances, "", "");
+    tracks.pair_reach_m = 0.0;
+    let lifted = cup(CLAUSES[2]);
+    let things = Belief::certain(&tracks).unwrap().things().cloned().collect();
+    let events = super::derive::events(&tracks, &lifted);
+    let belief = Belief::new(&tracks, things, events, Noise::NONE).unwrap();
+    let ranked = rank(&belief, &lifted, Temporal::While);
+    assert_eq!(ranked[0].name, name("a"));
+    let when = ranked[0].when.likely();
+    let (first, last) = (when.first().unwrap(), when.last().unwrap());
+    assert!((26..=34).contains(&first) && (56..=64).contains(&last), "{first} to {last}");
+    assert!(super::derive::events(&tracks, &cup(CLAUSES[0])).is_empty());
+}
