@@ -27,8 +27,6 @@ use crate::unreadable::{Reason, Unreadable};
 
 /// Clips whose findings are kept: the views of one scene and some more.
 const REMEMBERED: usize = 16;
-/// A gate is open where the predicate holds at least so far.
-const GATE: f64 = 0.5;
 /// Things that are told of in notes.
 const TOLD: usize = 3;
 
@@ -137,8 +135,9 @@ fn read(text: &str) -> Result<(Predicate, Temporal), Unreadable> {
 /// The masks of the thing that is meant, in the frames in which it is.
 fn masks_of(best: &Ranked, temporal: Temporal, looked: &Looked) -> BTreeMap<u32, Mask> {
     let Some(track) = looked.track(&best.name) else { return BTreeMap::new() };
+    let likely = best.when.likely();
     let is_open = |frame: u32| {
-        temporal == Temporal::Whole || best.when.at(looked.perceived.timeline.canonical(frame)) >= GATE
+        temporal == Temporal::Whole || likely.at(looked.perceived.timeline.canonical(frame))
     };
     track
         .seen()

@@ -8,6 +8,8 @@ mod pool;
 mod resize;
 mod run;
 mod segment;
+#[cfg(test)]
+mod tests;
 mod weights;
 
 pub use run::{Found, Network, Picture, Seen};

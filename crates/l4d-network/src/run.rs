@@ -109,9 +109,9 @@ impl Network {
         let labels =
             pixels.labels(&centres, self.description.offset_px, [picture.width, picture.height]);
         let small = pixels.labels(&centres, self.description.offset_px, half);
-        let halved = resized_by_half(&colour, size);
+        let small_colour = halved(&colour, size);
         let levels: Vec<Level<'_>> = outputs[1..].iter().map(Planes::level).collect();
-        let rows = rows(&small, half, centres.len(), &halved, &levels);
+        let rows = rows(&small, half, centres.len(), &small_colour, &levels);
         Ok(Seen { labels, found: self.describe(&rows)? })
     }
 
@@ -179,7 +179,7 @@ pub(crate) struct Planes {
 }
 
 impl Planes {
-    fn level(&self) -> Level<'_> {
+    pub(crate) fn level(&self) -> Level<'_> {
         let at = |axis: usize| self.shape.get(axis).copied().unwrap_or(0);
         Level { channels: at(1), width: at(3), height: at(2), values: &self.values }
     }
@@ -193,7 +193,7 @@ fn looked_at(picture: &Picture) -> [usize; 2] {
 }
 
 /// Means of four pixels each.
-fn resized_by_half(colour: &[f32], [width, height]: [usize; 2]) -> Vec<f32> {
+pub(crate) fn halved(colour: &[f32], [width, height]: [usize; 2]) -> Vec<f32> {
     let mut small = Vec::with_capacity(colour.len() / 4);
     for row in (0..height).step_by(2) {
         for column in (0..width).step_by(2) {

@@ -19,7 +19,7 @@ from onnx import TensorProto, helper, numpy_helper
 from torch import Tensor, nn
 
 from . import segment
-from .model import COLOUR, DENSE, OBJECT, OFFSET_PX, WIDTHS, Network, pool
+from .model import OFFSET_PX, Encoder, Network, pool
 
 SCHEMA = "l4d/perception/1"
 LEAST_ROUNDED = 1024
@@ -34,7 +34,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     options = parser.parse_args()
     state = torch.load(options.checkpoint, weights_only=False, map_location="cpu")
-    network = Network(state["words"], pretrained=False)
+    network = Network(state["words"], Encoder(pretrained=False))
     network.load_state_dict(state["network"])
     card = json.loads(options.card.read_text(encoding="utf-8")) if options.card else {}
     write(network, options.out, {"iterations": state["iteration"], **card})
@@ -56,10 +56,9 @@ def write(network: Network, out: Path, card: dict) -> None:
         "sha256": hashlib.sha256(data).hexdigest(),
         "kinds": list(words.kinds),
         "values": [list(pair) for pair in words.values],
-        "dense": DENSE,
-        "widths": list(WIDTHS),
-        "colour": COLOUR,
-        "object": OBJECT,
+        "dense": network.size.dense,
+        "widths": list(network.size.widths),
+        "object": network.size.object,
         "offset_px": OFFSET_PX,
         "peak": segment.PEAK,
         "peak_px": segment.PEAK_PX,
@@ -74,13 +73,14 @@ def write(network: Network, out: Path, card: dict) -> None:
 def _fold(network: Network) -> None:
     """Batch normalisation becomes part of the convolution before it."""
     names = dict(network.named_modules())
-    for block in network.encoder.blocks:
+    for block in getattr(network.encoder, "blocks", ()):
         for conv, norm in (("_expand_conv", "_bn0"), ("_depthwise_conv", "_bn1"), ("_project_conv", "_bn2")):
             if hasattr(block, conv) and hasattr(block, norm):
                 _fold_pair(getattr(block, conv), getattr(block, norm))
                 setattr(block, norm, nn.Identity())
-    _fold_pair(network.encoder.stem, network.encoder.norm)
-    network.encoder.norm = nn.Identity()
+    if isinstance(getattr(network.encoder, "norm", None), nn.BatchNorm2d):
+        _fold_pair(network.encoder.stem, network.encoder.norm)
+        network.encoder.norm = nn.Identity()
     for module in names.values():
         padding = getattr(module, "static_padding", None)
         if isinstance(padding, nn.ZeroPad2d):
@@ -139,11 +139,11 @@ class _Objects(nn.Module):
 
 
 def _model(network: Network, rounded: dict[str, tuple[np.ndarray, np.ndarray]]) -> onnx.ModelProto:
-    levels = [f"level{i}" for i in range(1 + len(WIDTHS))]
+    levels = [f"level{i}" for i in range(1 + len(network.size.widths))]
     pictures = _exported(
         _Pictures(network), torch.zeros(1, 3, 192, 256), "picture", ["pixels", *levels], {2: "height", 3: "width"}
     )
-    objects = _exported(_Objects(network), torch.zeros(2, OBJECT), "objects", ["kinds", "values"], {0: "count"})
+    objects = _exported(_Objects(network), torch.zeros(2, network.size.object), "objects", ["kinds", "values"], {0: "count"})
     graph = onnx.compose.merge_graphs(
         onnx.compose.add_prefix_graph(pictures.graph, "p.", rename_inputs=False, rename_outputs=False),
         onnx.compose.add_prefix_graph(objects.graph, "o.", rename_inputs=False, rename_outputs=False),
@@ -218,6 +218,7 @@ def _parity(network: Network, out: Path) -> None:
         "picture": picture[0],
         "masks": masks,
         "pixels": pixels[0],
+        "segments": segment.segment(pixels[0]).float(),
         "rows": rows,
         "kinds": kinds,
         "values": values,

@@ -13,14 +13,8 @@ import torch.nn.functional as F
 from efficientnet_lite_pytorch import EfficientNet
 from torch import Tensor, nn
 
-WIDTHS = (24, 40, 64, 96, 128)
-"""Channels of the decoder's levels, finest first: 1/2 to 1/32 of the picture."""
-DENSE = 64
-"""Channels from which pixels are judged."""
 COLOUR = 7
 """Numbers of a mask's colour: mean and deviation of R, G, B, and the logarithm of its area."""
-OBJECT = DENSE + sum(WIDTHS) + COLOUR
-"""Numbers that describe an object."""
 OFFSET_PX = 16.0
 """Offsets to centres are in this many pixels of half resolution."""
 
@@ -46,6 +40,10 @@ def _conv(inputs: int, outputs: int, size: int = 3) -> nn.Sequential:
         nn.BatchNorm2d(outputs),
         nn.ReLU(inplace=True),
     )
+
+
+def _head(inputs: int, hidden: int, outputs: int) -> nn.Sequential:
+    return nn.Sequential(nn.Linear(inputs, hidden), nn.ReLU(), nn.Dropout(0.2), nn.Linear(hidden, outputs))
 
 
 class Encoder(nn.Module):
@@ -75,23 +73,35 @@ class Encoder(nn.Module):
         return [*found, x]
 
 
+@dataclass(frozen=True)
+class Size:
+    """How wide a network is: channels of the levels (finest first) and of the pixels, and of the heads."""
+
+    widths: tuple[int, ...] = (24, 40, 64, 96, 128)
+    dense: int = 64
+    head: int = 256
+
+    @property
+    def object(self) -> int:
+        """Numbers that describe an object."""
+        return self.dense + sum(self.widths) + COLOUR
+
+
 class Network(nn.Module):
     """Pictures (B, 3, H, W) of display colour in 0..1; sides divisible by 32."""
 
-    def __init__(self, words: Vocabulary, *, pretrained: bool = True) -> None:
+    def __init__(self, words: Vocabulary, encoder: nn.Module, size: Size = Size()) -> None:
         super().__init__()
-        self.words = words
-        kinds, values = len(words.kinds), len(words.values)
-        self.encoder = Encoder(pretrained=pretrained)
-        self.lateral = nn.ModuleList(nn.Conv2d(c, w, 1) for c, w in zip(Encoder.CHANNELS, WIDTHS))
-        self.up = nn.ModuleList(_conv(WIDTHS[i] + WIDTHS[i + 1], WIDTHS[i]) for i in range(4))
-        self.mix = _conv(WIDTHS[0], DENSE, 1)
-        self.pixel = nn.Conv2d(DENSE, 4, 1)
-        self.pixel_kind = nn.Conv2d(DENSE, kinds, 1)  # helps to learn, is not asked afterwards
-        self.kind = nn.Sequential(nn.Linear(OBJECT, 256), nn.ReLU(), nn.Dropout(0.2), nn.Linear(256, kinds))
-        self.value = nn.Sequential(
-            nn.Linear(OBJECT + kinds, 256), nn.ReLU(), nn.Dropout(0.2), nn.Linear(256, values)
-        )
+        self.words, self.size = words, size
+        kinds, values, widths = len(words.kinds), len(words.values), size.widths
+        self.encoder = encoder
+        self.lateral = nn.ModuleList(nn.Conv2d(c, w, 1) for c, w in zip(encoder.CHANNELS, widths))
+        self.up = nn.ModuleList(_conv(widths[i] + widths[i + 1], widths[i]) for i in range(4))
+        self.mix = _conv(widths[0], size.dense, 1)
+        self.pixel = nn.Conv2d(size.dense, 4, 1)
+        self.pixel_kind = nn.Conv2d(size.dense, kinds, 1)  # helps to learn, is not asked afterwards
+        self.kind = _head(size.object, size.head, kinds)
+        self.value = _head(size.object + kinds, size.head, values)
 
     def features(self, pictures: Tensor) -> list[Tensor]:
         """Dense features, then the decoder's levels, finest first."""

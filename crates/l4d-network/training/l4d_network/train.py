@@ -18,7 +18,7 @@ from torch import Tensor, nn
 from . import data
 from .data import Sample, Scene
 from .evaluate import evaluate
-from .model import Network, Vocabulary, pool
+from .model import Encoder, Network, Vocabulary, pool
 
 
 def main() -> None:
@@ -34,7 +34,7 @@ def main() -> None:
     checkpoint = options.out / "checkpoint.pt"
     state = torch.load(checkpoint, weights_only=False) if checkpoint.is_file() else None
     words = state["words"] if state else data.vocabulary(scenes)
-    network = Network(words, pretrained=state is None and not options.from_scratch)
+    network = Network(words, Encoder(pretrained=state is None and not options.from_scratch))
     pictures = sum(len(scene.colour) for scene in scenes)
     print(
         f"{len(scenes)} scenes, {pictures} pictures, {len(words.kinds) - 1} nouns, {len(words.values)} values, "
