@@ -1,0 +1,179 @@
+//! Whole texts: a description, the time at which it counts, and what an earlier sentence has spoken of.
+
+use l4d_data::Temporal;
+use l4d_query::{Clause, Predicate};
+
+use super::guess::{Guess, Guesses, cheapest};
+use super::noun_phrase::{Article, Described};
+use super::{Edge, Wide};
+
+/// Words before a description that are passed over at most.
+const MOST_PASSED: usize = 24;
+/// Guesses at an earlier sentence that are followed.
+const MOST_EARLIER: usize = 2;
+
+type Meaning = (Predicate, Temporal);
+
+impl Wide<'_, '_> {
+    /// All guesses at the whole, the cheapest first.
+    pub(super) fn sentences(&self) -> Vec<Guess<Meaning>> {
+        let mut found = self.single_sentence(0);
+        if self.before.is_none() {
+            found.extend(self.after_another());
+        }
+        found.sort_by_key(|guess| guess.cost);
+        found
+    }
+
+    /// One sentence: "at the end, the cup next to the lamp".
+    fn single_sentence(&self, at: usize) -> Vec<Guess<Meaning>> {
+        let mut found = Vec::new();
+        let (edge, start) = match self.word(at) {
+            "@start" => (Some(Edge::Start), self.skip(at + 1, ",")),
+            "@end" => (Some(Edge::End), self.skip(at + 1, ",")),
+            _ => (None, at),
+        };
+        if let Some(gate) = self.gate(start) {
+            self.gated_first(gate, &mut found);
+        }
+        let inner = if edge.is_some() { self.skip(start, "it is|this is|that is|which is|which one is|find|show me|i want") } else { start };
+        for begin in inner..self.tokens.len().min(inner + MOST_PASSED) {
+            let passed = self.pass_all(inner, begin);
+            if passed.cost > 90 {
+                break;
+            }
+            let tops = self.described(begin, true);
+            for top in tops.iter().filter(|top| top.value.article != Article::No) {
+                let mut such = top.value.clone();
+                let mut price = 0;
+                if let Some(edge) = edge {
+                    match edge.of(such.clauses.clone()) {
+                        Some(clauses) => such.clauses = clauses,
+                        None => price = 15,
+                    }
+                }
+                let whole = passed.then(top.clone(), |(), _| such).plus(price);
+                self.finish(&whole, &mut found);
+            }
+            // "Of the cups, the one that ..." and "the one of the cups".
+            if let Some(of) = self.phrase(begin, "of the|of all the|of these|of those|of all|between the|out of these|both of the|of both") {
+                let of = self.skip(of, "two|three|four|five|these|those|the");
+                for noun in self.nouns(of).into_iter().filter(|guess| guess.value.1) {
+                    let next = self.skip(noun.end, ",");
+                    for top in self.described(next, true).iter().filter(|top| top.value.noun == noun.value.0) {
+                        let such = top.value.clone();
+                        let whole = passed.then(noun.clone(), |(), _| ()).then(top.clone(), |(), _| such);
+                        self.finish(&whole, &mut found);
+                    }
+                }
+            }
+        }
+        cheapest(found)
+    }
+
+    /// What comes after a description: nothing, a gate, or words that fit nowhere.
+    fn finish(&self, whole: &Guess<Described>, found: &mut Vec<Guess<Meaning>>) {
+        let such = &whole.value;
+        let length = self.tokens.len();
+        let tail = self.pass_all(whole.end, length);
+        // A description that says nothing is no description.
+        let empty = if such.clauses.is_empty() { 30 } else { 0 };
+        let meaning = (such.predicate(), Temporal::Whole);
+        found.push(whole.then(tail, |_, ()| meaning).plus(empty + role_price(self, such)));
+        for at in whole.end..length.min(whole.end + 3) {
+            let Some(gate) = self.gate(at) else { continue };
+            let passed = self.pass_all(whole.end, at);
+            for gated in self.gated(gate, &such.noun) {
+                let tail = self.pass_all(gated.end, length);
+                let clauses = such.predicate().0.into_iter().chain(gated.value.clone());
+                let meaning = (Predicate(clauses.collect()), Temporal::While);
+                let parts = whole.then(passed.clone(), |_, ()| ()).then(gated, |(), _| ());
+                found.push(parts.then(tail, |(), ()| meaning).plus(role_price(self, such)));
+            }
+        }
+    }
+
+    /// The place after a word that begins a gate.
+    fn gate(&self, at: usize) -> Option<usize> {
+        let mut next = self.any_of(at, "@while when as until once")?;
+        while let Some(after) = self.any_of(next, "@while when as just only but") {
+            next = after;
+        }
+        Some(next)
+    }
+
+    /// "it rolls", "rolling", "a hand lifts it", "the dog is running".
+    fn gated(&self, at: usize, noun: &str) -> Guesses<Vec<Clause>> {
+        let mut found = Vec::new();
+        if let Some(next) = self.any_of(at, "it he she they that this") {
+            found.extend(self.verb_phrase(next, noun));
+        }
+        for again in self.described(at, false).iter().filter(|guess| guess.value.noun == noun && guess.value.clauses.is_empty()) {
+            found.extend(self.verb_phrase(again.end, noun).into_iter().map(|guess| guess.plus(2)));
+        }
+        found.extend(self.verb_phrase(at, noun));
+        found.extend(self.complement(at, noun));
+        found.extend(self.done_by(at, noun));
+        // "While it has hold of it and is turning it": more of the same.
+        let mut all = found.clone();
+        for one in found {
+            let Some(next) = self.phrase(one.end, "and|, and|and @while|and while") else { continue };
+            let next = self.skip(next, "it|is|it is");
+            for two in [self.done_by(next, noun), self.complement(next, noun)].concat() {
+                all.push(one.then(two, |one, two| [&one[..], &two[..]].concat()));
+            }
+        }
+        cheapest(all)
+    }
+
+    /// "While it is flying, the duck."
+    fn gated_first(&self, gate: usize, found: &mut Vec<Guess<Meaning>>) {
+        for (_, noun) in self.mentions.iter().take(4) {
+            for gated in self.gated(gate, noun) {
+                let next = self.skip(gated.end, ",");
+                for top in self.described(next, true).iter().filter(|top| top.value.noun == *noun) {
+                    let clauses = top.value.predicate().0.into_iter().chain(gated.value.clone());
+                    let meaning = (Predicate(clauses.collect()), Temporal::While);
+                    let tail = self.pass_all(top.end, self.tokens.len());
+                    found.push(gated.then(top.clone(), |_, _| ()).then(tail, |(), ()| meaning));
+                }
+            }
+        }
+    }
+
+    /// "One of the cats sits down, I'd like the toy in front of it": the second sentence speaks of the first.
+    fn after_another(&self) -> Vec<Guess<Meaning>> {
+        let mut found = Vec::new();
+        let places = (1..self.tokens.len().saturating_sub(1)).filter(|at| self.word(*at) == ",");
+        for at in places.take(3) {
+            let later = self.tokens[at + 1..].to_vec();
+            let speaks_back = later.iter().any(|word| matches!(word.as_str(), "it" | "him" | "her" | "them" | "she" | "he" | "one" | "that" | "they" | "its"));
+            if !speaks_back {
+                continue;
+            }
+            let earlier = Wide::new(self.tokens[..at].to_vec(), self.words, None);
+            let mut firsts: Vec<Guess<Described>> = Vec::new();
+            for begin in 0..earlier.tokens.len().min(4) {
+                let passed = earlier.pass_all(0, begin);
+                for top in earlier.described(begin, true).iter() {
+                    let tail = earlier.pass_all(top.end, earlier.tokens.len());
+                    let such = top.value.clone();
+                    firsts.push(passed.then(top.clone(), |(), _| ()).then(tail, |(), ()| such));
+                }
+            }
+            firsts.retain(|guess| !guess.value.clauses.is_empty());
+            for first in cheapest(firsts).into_iter().take(MOST_EARLIER) {
+                let wide = Wide::new(super::tokens::without_preamble(later.clone()), self.words, Some(first.value.clone()));
+                // What was passed over in the second sentence is not where it was in the whole.
+                let seconds = wide.sentences().into_iter().take(3);
+                found.extend(seconds.map(|second| Guess { cost: first.cost + second.cost + 8, skipped: first.skipped, ..second }));
+            }
+        }
+        found
+    }
+}
+
+/// Scenes are asked for objects, seldom for landmarks.
+fn role_price(wide: &Wide<'_, '_>, such: &Described) -> u32 {
+    if wide.words.is_object(&such.noun) { 0 } else { 25 }
+}
