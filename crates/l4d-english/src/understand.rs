@@ -9,6 +9,8 @@ use crate::words::Words;
 
 /// Confidence of the best inferred reading: the strict grammar alone is sure.
 const INFERRED: f64 = 0.95;
+/// Confidence of what the grammar follows, where the scene has no such things or properties.
+const STRANGE: f64 = 0.5;
 /// Cost at which a reading is believed half as much.
 const HALVING: f64 = 25.0;
 /// Dearer readings are none.
@@ -76,6 +78,11 @@ pub fn understand(text: &str, words: &Words<'_>) -> Result<Vec<Reading>, Unread>
         return Err(Unread::Empty);
     }
     let mut found: Vec<Reading> = strict.unwrap_or_default().into_iter().take(1).map(exact).collect();
+    for reading in &mut found {
+        if !words.has_all_of(&reading.predicate) {
+            reading.confidence = STRANGE;
+        }
+    }
     let inference = wide::infer(text, words);
     let believed = inference.readings.iter().filter(|reading| is_believed(reading, inference.length));
     for reading in believed {
@@ -90,6 +97,7 @@ pub fn understand(text: &str, words: &Words<'_>) -> Result<Vec<Reading>, Unread>
             repairs: inference.repairs.clone(),
         });
     }
+    found.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
     if found.is_empty() {
         return Err(unclear(&inference.unknown, inference.readings.first(), words));
     }

@@ -40,9 +40,11 @@ mod price {
     /// A word of the grammar.
     pub(super) const FUNCTION: u32 = 4;
     /// A word that means nothing here.
-    pub(super) const UNKNOWN: u32 = 11;
+    pub(super) const UNKNOWN: u32 = 9;
     /// A word that means something.
-    pub(super) const CONTENT: u32 = 18;
+    pub(super) const CONTENT: u32 = 15;
+    /// A word that turns the meaning round.
+    pub(super) const NEGATION: u32 = 40;
 }
 
 /// A reading of a text that is not exactly in the grammar.
@@ -191,7 +193,7 @@ impl<'r, 'a> Wide<'r, 'a> {
         let word = self.word(at);
         match word {
             "," | "" => 0,
-            "not" | "never" | "no" | "without" | "neither" | "nor" | "no-one" => price::CONTENT,
+            "not" | "never" | "no" | "without" | "neither" | "nor" | "nobody" => price::NEGATION,
             "@first" | "@last" | "@start" | "@end" | "@while" | "@then" => 12,
             "@all" => 0,
             _ if data().is_function(word) => price::FUNCTION,
@@ -228,7 +230,15 @@ fn without_repeats(predicate: Predicate) -> Predicate {
             clauses.push(clause);
         }
     }
-    Predicate(clauses)
+    // "Nudges" says no more than "nudges a ball".
+    let is_less = |clause: &Clause| match clause {
+        Clause::Does { verb, to: None } => {
+            clauses.iter().any(|other| matches!(other, Clause::Does { verb: own, to: Some(_) } if own == verb))
+        }
+        _ => false,
+    };
+    let kept = clauses.iter().filter(|clause| !is_less(clause)).cloned().collect();
+    Predicate(kept)
 }
 
 /// Whether the predicate language has it.

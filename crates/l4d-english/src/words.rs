@@ -240,6 +240,33 @@ impl<'a> Words<'a> {
         to_such.filter_map(|event| category(&event.subject)).next().or_else(|| self.agent(verb))
     }
 
+    /// Whether the scene has every kind of thing and every property that this speaks of.
+    pub(crate) fn has_all_of(&self, predicate: &Predicate) -> bool {
+        if !self.is_of_a_scene() && self.known.is_none() {
+            return true;
+        }
+        let noun = predicate.noun();
+        let own = self.properties(noun);
+        let has = |clause: &Clause| match clause {
+            Clause::Attribute { key, value } => own.contains(&(key.clone(), value.clone())),
+            Clause::Does { verb, .. } | Clause::Undergoes { verb, .. } => self.verb_rank(verb, true) < 2,
+            _ => true,
+        };
+        let clauses = predicate.0.iter().flat_map(|clause| self.own_clauses(clause));
+        let of_others = predicate.parties().into_iter().all(|party| match party {
+            Party::Such(described) => self.has_all_of(described),
+            Party::Category(category) => self.has_category(category),
+            Party::Name(_) => true,
+        });
+        self.has_category(noun) && of_others && clauses.into_iter().all(has)
+    }
+
+    /// A clause and those inside it, without those of others.
+    fn own_clauses<'c>(&self, clause: &'c Clause) -> Vec<&'c Clause> {
+        let inner = clause.inner().iter().flat_map(|inner| self.own_clauses(inner));
+        std::iter::once(clause).chain(inner).collect()
+    }
+
     /// Whether exactly one object of the scene is described; never where there is no scene to look at.
     pub(crate) fn has_one_answer(&self, predicate: &Predicate, temporal: Temporal) -> bool {
         self.world.as_ref().is_some_and(|world| match temporal {

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 
 use serde::Deserialize;
 
+use super::{event, place, property, verb_phrase};
 use crate::inflect;
 use crate::lexicon::{Form, Way, is_article, lexicon};
 
@@ -64,12 +65,16 @@ pub(super) struct Doing {
     pub(super) after: Vec<String>,
     pub(super) takes_object: bool,
     pub(super) verbs: Vec<String>,
+    /// How far it is from the usual words.
+    pub(super) cost: u32,
 }
 
 /// All of it.
 #[derive(Debug)]
 pub(super) struct Data {
     pub(super) preambles: Phrases<()>,
+    pub(super) contrasts: Phrases<()>,
+    pub(super) background: Vec<String>,
     pub(super) rewrites: Phrases<Vec<String>>,
     pub(super) nouns: Phrases<Naming>,
     pub(super) near: BTreeMap<String, Vec<String>>,
@@ -103,7 +108,14 @@ impl Data {
 
     /// Whether it is an English word, and so no misspelling.
     pub(super) fn is_english(&self, word: &str) -> bool {
-        self.is_known(word) || self.common.contains(word)
+        let is_base = |word: &str| self.common.contains(word) || self.known.contains(word);
+        let ends = ["s", "es", "ed", "d", "ing", "er", "ly", "est", "ness"];
+        let stems = ends.iter().filter_map(|end| word.strip_suffix(end)).filter(|stem| stem.len() > 2);
+        let is_inflected = |stem: &str| {
+            let doubled = stem.len() > 3 && stem.as_bytes()[stem.len() - 1] == stem.as_bytes()[stem.len() - 2];
+            is_base(stem) || is_base(&format!("{stem}e")) || doubled && is_base(&stem[..stem.len() - 1])
+        };
+        self.is_known(word) || is_base(word) || stems.into_iter().any(is_inflected)
     }
 
     pub(super) fn known(&self) -> impl Iterator<Item = &str> {
@@ -113,6 +125,8 @@ impl Data {
     fn index(file: File) -> Self {
         let mut data = Self {
             preambles: Phrases::default(),
+            contrasts: Phrases::default(),
+            background: file.background,
             rewrites: Phrases::default(),
             nouns: Phrases::default(),
             near: BTreeMap::new(),
@@ -126,6 +140,11 @@ impl Data {
             common: include_str!("common.txt").lines().collect(),
             known: GRAMMAR.split_whitespace().map(str::to_owned).collect(),
         };
+        for text in file.contrasts {
+            data.contrasts.insert(split(&text), ());
+        }
+        let phrases = [verb_phrase::PHRASES, place::PHRASES, property::PHRASES, event::PHRASES].concat();
+        phrases.iter().for_each(|words| data.know(&split(&words.replace('|', " "))));
         data.index_rewrites(&file.preambles, &file.fillers, &file.rewrites);
         data.index_nouns(&file.nouns, &file.near);
         data.index_properties(&file.values, file.parts);
@@ -227,7 +246,9 @@ impl Data {
         for (verb, entry) in lexicon().verbs() {
             for pattern in &entry.patterns {
                 let verbs = vec![verb.to_owned()];
-                self.index_verb(&pattern.head, pattern.before.clone(), pattern.after.clone(), pattern.takes_object, verbs);
+                let cost = if pattern.is_said { 0 } else { 2 };
+                let words = (pattern.before.clone(), pattern.after.clone());
+                self.index_verb(&pattern.head, words, pattern.takes_object, verbs, cost);
             }
         }
         for (text, verbs) in by_hand {
@@ -236,13 +257,13 @@ impl Data {
             let object = words.iter().position(|word| word == "*");
             let after = object.map(|at| words.split_off(at + 1)).unwrap_or_default();
             words.retain(|word| word != "*");
-            self.index_verb(&head, words, after, object.is_some(), verbs);
+            self.index_verb(&head, (words, after), object.is_some(), verbs, 0);
         }
     }
 
-    fn index_verb(&mut self, head: &str, before: Vec<String>, after: Vec<String>, takes_object: bool, verbs: Vec<String>) {
+    fn index_verb(&mut self, head: &str, words: (Vec<String>, Vec<String>), takes_object: bool, verbs: Vec<String>, cost: u32) {
         let plain = |words: Vec<String>| words.into_iter().filter(|word| !is_article(word)).collect::<Vec<_>>();
-        let (before, after) = (plain(before), plain(after));
+        let (before, after) = (plain(words.0), plain(words.1));
         self.know(&before);
         self.know(&after);
         for form in Form::ALL {
@@ -250,7 +271,7 @@ impl Data {
             self.know(std::slice::from_ref(&word));
             self.heads.entry(word).or_default().push((form, self.doings.len()));
         }
-        self.doings.push(Doing { before, after, takes_object, verbs });
+        self.doings.push(Doing { before, after, takes_object, verbs, cost });
     }
 }
 
@@ -286,6 +307,24 @@ fn clip_edges() -> Vec<(String, &'static str)> {
             }
         }
     }
+    for link in ["in", "at", "during", "from", "by", "near", "toward", "for", "on", "within"] {
+        for article in ["the", "its", "the very", "her", "his"] {
+            for (adjectives, to) in [(&["opening", "first", "initial", "starting"][..], "@start"), (&["final", "last", "closing", "ending", "concluding"], "@end")] {
+                for adjective in adjectives {
+                    for noun in ["moment", "moments", "frame", "frames", "second", "seconds", "instant", "shot", "part", "position", "stage", "bit", "place"] {
+                        found.push((format!("{link} {article} {adjective} {noun}"), to));
+                    }
+                }
+            }
+        }
+    }
+    for link in ["once", "when", "after", "by the time", "as soon as"] {
+        for thing in ["everything", "it all", "all", "it", "things", "the motion", "the movement", "everyone", "everybody", "all the motion", "all motion"] {
+            for verb in ["has stopped", "has settled", "has finished", "has ended", "has come to rest", "is done", "have stopped", "have settled", "have finished", "settles", "settles down", "comes to rest", "has settled down", "is finished", "is over", "stops moving", "has stopped moving", "is still"] {
+                found.push((format!("{link} {thing} {verb}"), "@end"));
+            }
+        }
+    }
     found
 }
 
@@ -299,6 +338,8 @@ fn split(text: &str) -> Vec<String> {
 #[serde(deny_unknown_fields)]
 struct File {
     preambles: Vec<String>,
+    contrasts: Vec<String>,
+    background: Vec<String>,
     fillers: Vec<String>,
     function: Vec<String>,
     bare: Vec<String>,

@@ -2,10 +2,10 @@
 
 use l4d_query::{Clause, Party, Relation};
 
-use super::Wide;
 use super::data::{Doing, data};
 use super::guess::{Guess, Guesses, cheapest};
 use super::noun_phrase::Article;
+use super::{Order, Wide};
 use crate::lexicon::Form;
 
 /// Words within a verb phrase that say nothing more.
@@ -20,6 +20,9 @@ const TRAILING: &str = "away|off|along|around|about|up|down|out|over|past|by han
     with its beak|in the air|on foot|into the road|into the street|round|with her hands|with his hands|with its nose first|back|back down|forward|forwards|\
     with its bill|water|some water|for a sip|to one side|in her arms|in his arms|in her hands|in his hands|in its hand|with the hand|into it|from it|in it|on it|at it|with it|\
     back and forth|backwards|low|further|more|on the spot|in place|down the road|along the road|across the tabletop";
+
+/// All phrases of the grammar of events, whose words are no misspellings.
+pub(super) const PHRASES: &[&str] = &[WITHIN, TRAILING];
 
 impl Wide<'_, '_> {
     /// The place after these words, whatever says nothing in between.
@@ -46,8 +49,6 @@ impl Wide<'_, '_> {
             if !forms.contains(&form) {
                 continue;
             }
-            // Words of the phrase itself count as understood: longer phrases say more.
-            let bonus = 3 * (doing.before.len() + doing.after.len()) as u32;
             let Some(end) = self.after_words(at + 1, &doing.before) else {
                 if with_object && doing.takes_object {
                     self.parted(at, doing, subject, &mut found);
@@ -56,7 +57,7 @@ impl Wide<'_, '_> {
             };
             if !doing.takes_object {
                 let Some((verb, misfit)) = self.verb(doing, subject, None) else { continue };
-                found.push(Guess::new(Clause::Does { verb, to: None }, end, (misfit + 9).saturating_sub(bonus)));
+                found.push(Guess::new(Clause::Does { verb, to: None }, end, misfit + doing.cost + plain_price(doing)));
                 continue;
             }
             if !with_object {
@@ -67,13 +68,20 @@ impl Wide<'_, '_> {
             {
                 found.push(Guess::new(Clause::Does { verb, to: None }, end, misfit + 3));
             }
+            // "Who kicks first": the object goes without saying.
+            if doing.after.is_empty()
+                && !matches!(self.word(at), "with" | "in" | "on" | "has" | "have")
+                && let Some((verb, misfit)) = self.verb(doing, subject, None)
+            {
+                found.push(Guess::new(Clause::Does { verb, to: None }, end, misfit + 7 + doing.cost));
+            }
             for object in self.objects(end) {
                 let Some(end) = self.after_words(object.end, &doing.after) else { continue };
                 let (party, noun, is_no) = &object.value;
                 let Some((verb, misfit)) = self.verb(doing, subject, Some(noun)) else { continue };
                 let clause = Clause::Does { verb, to: Some(party.clone()) };
                 let clause = if *is_no { super::negated(clause) } else { clause };
-                let cost = (misfit + 9).saturating_sub(bonus);
+                let cost = misfit + doing.cost + plain_price(doing);
                 found.push(object.clone().map(|_| clause).ending(end).plus(cost));
             }
         }
@@ -92,7 +100,7 @@ impl Wide<'_, '_> {
             let Some((verb, misfit)) = self.verb(doing, subject, Some(noun)) else { continue };
             let clause = Clause::Does { verb, to: Some(party.clone()) };
             let clause = if *is_no { super::negated(clause) } else { clause };
-            found.push(object.clone().map(|_| clause).ending(end).plus(misfit + 6));
+            found.push(object.clone().map(|_| clause).ending(end).plus(misfit + doing.cost + 2));
         }
     }
 
@@ -101,7 +109,7 @@ impl Wide<'_, '_> {
         let mut found: Guesses<(Party, String, bool)> =
             self.parties(at).into_iter().map(|guess| guess.map(|(party, noun)| (party, noun, false))).collect();
         // "Doesn't chase one": any of what was spoken of.
-        if let Some(end) = self.any_of(at, "one them any it") {
+        if let Some(end) = self.any_of(at, "one them any") {
             let nouns = self.mentioned(at).into_iter();
             found.extend(nouns.map(|(noun, cost)| Guess::new((Party::Category(noun.clone()), noun, false), end, cost + 3)));
         }
@@ -145,23 +153,35 @@ impl Wide<'_, '_> {
                 if let Some(end) = self.after_words(at + 1, &doing.before)
                     && let Some((verb, misfit)) = self.verb(doing, Some(subject), None)
                 {
-                    found.push(Guess::new(Clause::Does { verb, to: None }, end, misfit + 13));
+                    found.push(Guess::new(Clause::Does { verb, to: None }, end, misfit + 6));
                 }
                 continue;
             }
             let words: Vec<String> = doing.before.iter().chain(&doing.after).cloned().collect();
             let Some(mut end) = self.after_words(at + 1, &words) else { continue };
-            let bonus = 3 * words.len() as u32;
             end = self.skip(end, "up|down|back down|back up|along|around|round|over|out|off|away|to");
+            // "Picked up first by a hand".
+            let order = match self.word(end) {
+                "first" | "@first" => Some(Order::First),
+                "last" | "@last" => Some(Order::Last),
+                _ => None,
+            };
+            let end = if order.is_some() && self.any_of(end + 1, "by").is_some() { end + 1 } else { end };
+            let order = order.filter(|_| self.any_of(end, "by").is_some());
+            let wrapped = |clause: Clause| match order {
+                Some(Order::First) => Clause::First(Box::new(clause)),
+                Some(Order::Last) => Clause::Last(Box::new(clause)),
+                None => clause,
+            };
             if let Some(by) = self.any_of(end, "by in from with into out") {
                 let price = if self.word(end) == "by" { 0 } else { 4 };
                 let by = self.skip(by, "of");
                 for agent in self.agents(by) {
                     let (party, noun, is_no) = &agent.value;
                     let Some((verb, misfit)) = self.verb(doing, Some(noun), Some(subject)) else { continue };
-                    let clause = Clause::Undergoes { verb, by: party.clone() };
+                    let clause = wrapped(Clause::Undergoes { verb, by: party.clone() });
                     let clause = if *is_no { super::negated(clause) } else { clause };
-                    let cost = (misfit + 9 + price).saturating_sub(bonus);
+                    let cost = misfit + price + doing.cost + plain_price(doing);
                     found.push(agent.clone().map(|_| clause).plus(cost));
                 }
             }
@@ -170,8 +190,8 @@ impl Wide<'_, '_> {
             {
                 let clause = Clause::Undergoes { verb, by: Party::Category(agent) };
                 let by_somebody = self.phrase(end, "by somebody|by someone|by anybody|by anyone|by something");
-                found.push(Guess::new(clause.clone(), end, (misfit + 12).saturating_sub(bonus)));
-                found.extend(by_somebody.map(|end| Guess::new(clause, end, (misfit + 9).saturating_sub(bonus))));
+                found.push(Guess::new(clause.clone(), end, misfit + 3 + doing.cost + plain_price(doing)));
+                found.extend(by_somebody.map(|end| Guess::new(clause, end, misfit + doing.cost + plain_price(doing))));
             }
         }
         self.trailing(cheapest(found))
@@ -202,7 +222,7 @@ impl Wide<'_, '_> {
         if let Some(end) = self.any_of(at, "somebody someone something anybody anyone people you they") {
             subjects.push(Guess::new(None, end, 2));
         }
-        let nobody = self.any_of(at, "no-one nothing none");
+        let nobody = self.any_of(at, "nobody nothing none");
         if let Some(end) = nobody {
             subjects.push(Guess::new(None, end, 0));
         }
@@ -221,8 +241,15 @@ impl Wide<'_, '_> {
                 let Some(party) = by.map(|(party, ..)| party.clone()).or_else(|| self.words.usual_agent(&verb, object).map(Party::Category)) else {
                     continue;
                 };
-                let clause = Clause::Undergoes { verb, by: party };
+                let clause = Clause::Undergoes { verb, by: party.clone() };
                 let clause = if is_not { super::negated(clause) } else { clause };
+                // "Has hold of it and is turning it".
+                if let Some(and) = self.phrase(end, "and is|and was|and then is|and|, and") {
+                    for (verb, end, more) in self.verbs_of(and, by, object) {
+                        let second = Clause::Undergoes { verb, by: party.clone() };
+                        found.push(subject.clone().map(|_| vec![clause.clone(), second]).ending(end).plus(cost + more));
+                    }
+                }
                 found.push(subject.clone().map(|_| vec![clause]).ending(end).plus(cost));
             }
             // "That the hand is farthest from": the same of the two.
@@ -253,8 +280,7 @@ impl Wide<'_, '_> {
                 continue;
             }
             let Some((verb, misfit)) = self.verb(doing, by.map(|(_, noun, _)| noun.as_str()), Some(object)) else { continue };
-            let words = doing.before.len() + doing.after.len();
-            let cost = (misfit + 9).saturating_sub(3 * words as u32);
+            let cost = misfit + doing.cost + plain_price(doing);
             let past = if matches!(form, Form::Past | Form::Participle) { 1 } else { 0 };
             if let Some(end) = self.after_words(at + 1, &doing.before) {
                 for end in [Some(end), self.any_of(end, pronouns)].into_iter().flatten() {
@@ -268,4 +294,9 @@ impl Wide<'_, '_> {
         }
         found
     }
+}
+
+/// A bare verb says less than a phrase.
+fn plain_price(doing: &Doing) -> u32 {
+    4_u32.saturating_sub(2 * (doing.before.len() + doing.after.len()) as u32)
 }

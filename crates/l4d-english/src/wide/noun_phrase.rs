@@ -64,25 +64,56 @@ impl Wide<'_, '_> {
         }
         for guess in self.described(at, false).iter() {
             if guess.value.article != Article::No {
-                found.push(guess.clone().map(|such| (self.party(&such), such.noun)));
+                found.push(guess.clone().plus(self.vagueness(&guess.value)).map(|such| (self.party(&such), such.noun)));
             }
         }
         cheapest(found)
     }
 
+    /// What it costs to believe that "the ball" says all there is, where there are several; and that what is one of a
+    /// kind needs more words.
+    fn vagueness(&self, such: &Described) -> u32 {
+        let is_definite = such.article == Article::The && !such.is_plural;
+        match (is_definite, such.clauses.is_empty(), self.words.count(&such.noun)) {
+            (true, true, 2..) if !self.is_before(such) => 6,
+            (true, false, 1) => 2,
+            _ => 0,
+        }
+    }
+
+    /// Whether it is what an earlier sentence spoke of.
+    fn is_before(&self, such: &Described) -> bool {
+        let is_bare = such.article == Article::The && such.clauses.is_empty();
+        self.before.as_ref().is_some_and(|before| is_bare && before.noun == such.noun)
+    }
+
     pub(super) fn party(&self, such: &Described) -> Party {
-        if such.clauses.is_empty() {
+        if let Some(before) = self.before.as_ref().filter(|_| self.is_before(such)) {
+            return Party::Such(before.predicate());
+        }
+        if such.clauses.is_empty() || self.is_enough(such) {
             if such.article == Article::The && !such.is_plural {
                 if let Some(name) = self.words.named(&such.noun, &[]) {
                     return Party::Name(name);
                 }
                 if self.words.count(&such.noun) <= 1 {
-                    return Party::Such(such.predicate());
+                    return Party::Such(Predicate(vec![Clause::Category(such.noun.clone())]));
                 }
             }
             return Party::Category(such.noun.clone());
         }
         Party::Such(such.predicate())
+    }
+
+    /// Whether the noun alone tells it, and the rest is a remark that no property here is about: "the big bowl", of one bowl.
+    fn is_enough(&self, such: &Described) -> bool {
+        let own = self.words.properties(&such.noun);
+        let is_remark = |clause: &Clause| match clause {
+            Clause::Attribute { key, .. } => !own.iter().any(|(other, _)| other == key),
+            Clause::Superlative(_) => true,
+            _ => false,
+        };
+        such.article == Article::The && self.words.count(&such.noun) == 1 && such.clauses.iter().all(is_remark)
     }
 
     /// All noun phrases at a place; with `is_top` a finite verb may follow the noun ("which dog runs").
@@ -131,6 +162,14 @@ impl Wide<'_, '_> {
     fn determiner(&self, mut at: usize) -> (Option<Article>, bool, usize) {
         let mut article = None;
         let start = at;
+        if let Some(next) = self.phrase(at, "one of the|one of these|one of those|any of the|any of these|any of those|some of the|either of the|each of the|any one of the") {
+            article = Some(Article::A);
+            at = next;
+        }
+        if let Some(next) = self.phrase(at, "none of the|neither of the|none of these") {
+            article = Some(Article::No);
+            at = next;
+        }
         while let Some(next) = self.any_of(at, ARTICLES) {
             let word = self.word(at);
             article = match word {
@@ -194,7 +233,8 @@ impl Wide<'_, '_> {
             if is_skippable {
                 let passed = self.pass(at);
                 // "The little potted plant": what fits nowhere is no great loss before a noun.
-                let cost = if self.items(at).is_empty() { passed.cost.min(14) } else { 7 };
+                let is_remark = !self.items(at).is_empty() || !self.nouns(at).is_empty();
+                let cost = if is_remark { 7 } else { passed.cost.min(10) };
                 found.push(Guess {
                     value: state.value.clone(),
                     end: passed.end,
@@ -259,12 +299,16 @@ impl Wide<'_, '_> {
         for (_, noun) in self.mentions.iter().rev().filter(|(place, _)| *place < at) {
             add(noun, 2, &mut found);
         }
+        if head.is_none() {
+            let objects = self.words.categories().into_iter().filter(|category| self.words.is_object(category));
+            objects.for_each(|category| add(&category, 8, &mut found));
+        }
         found
     }
 
     /// "of the cups", "of all of these cups".
     fn of_several(&self, at: usize) -> Guesses<String> {
-        let Some(mut next) = self.any_of(at, "of from") else { return Vec::new() };
+        let Some(mut next) = self.phrase(at, "of|from|out of|among") else { return Vec::new() };
         while let Some(after) = self.any_of(next, "the these those all both of two three four five other our @all their") {
             next = after;
         }

@@ -20,27 +20,31 @@ const PREPOSITIONS: [(Relation, &str); 9] = [
 ];
 /// What comparisons compare with.
 const RIVALS: &str = "any all the other others one ones of them rest every either two three four does do is are have more most everyone everybody else anyone \
-    anybody these those both same its his her their others' that @all a";
+    anybody these those both pair set bunch group lot whole entire same its his her their others' that @all a";
 const ON_ONE_SIDE: &str = "on one side of it|on its one side|to one side of it|on one side|to one side|on the one side|at one side|over on one side";
 const ON_THE_OTHER: &str = "on the other side of it|on the other side|on the other|over on the other|over on the other side|to the other side|to the other|\
     on its other side|at the other|on the opposite side|on the far side";
 /// Words before a relation that say nothing more.
-const LEADING: &str = "right|up|over|down|out|standing|sitting|lying|located|placed|situated|positioned|parked|resting|being|found|seen|waiting|left|\
+const LEADING: &str = "right|up|over|down|out|standing|sitting|lying|located|placed|situated|positioned|parked|resting|being|found|seen|left|\
     close|straight|there|off|back|away|hanging|somewhere|along|squarely|perched|set|put|kept|still|staying|remaining|that bit";
+
+/// All phrases of the grammar of places, whose words are no misspellings.
+pub(super) const PHRASES: &[&str] = &[RIVALS, LEADING];
 
 impl Wide<'_, '_> {
     /// "on the tray", "between the posts", "closer to the lamp than the others".
     pub(super) fn relation(&self, at: usize) -> Guesses<Vec<Clause>> {
         let mut found = Vec::new();
-        let mut starts = vec![at];
         let mut start = at;
-        while let Some(next) = self.phrase(start, LEADING) {
+        let mut price = 0;
+        loop {
+            let mut here = Vec::new();
+            self.plain_relation(start, &mut here);
+            self.nearness(start, &mut here);
+            found.extend(here.into_iter().map(|guess| guess.plus(price)));
+            let Some(next) = self.phrase(start, LEADING) else { break };
+            price += if matches!(self.word(start), "put" | "set" | "left" | "placed" | "kept" | "back" | "seen" | "found") { 3 } else { 0 };
             start = next;
-            starts.push(start);
-        }
-        for start in starts {
-            self.plain_relation(start, &mut found);
-            self.nearness(start, &mut found);
         }
         found.extend(self.between_sides(at));
         cheapest(found)
@@ -55,7 +59,7 @@ impl Wide<'_, '_> {
             }
             let cost = match self.word(at) {
                 "before" | "at" | "around" | "within" => 6,
-                "by" => 3,
+                "by" => 5,
                 _ => 0,
             };
             for guess in self.parties(next) {
@@ -178,6 +182,7 @@ impl Wide<'_, '_> {
             let place = self.skip(one.end, "right|that is|which is|standing|lying|sitting|placed");
             for (kind, phrases) in [
                 (Relation::Beside, "beside it|next to it|by it|near it|beside her|beside him|beside them|alongside it|at hand"),
+                (Relation::Facing, "in front of it|in front of her|in front of him|before it|ahead of it"),
                 (Relation::Touching, "touching it|against it|touching them|in contact with it|touches it"),
             ] {
                 let Some(end) = self.phrase(place, phrases) else { continue };
@@ -213,7 +218,7 @@ impl Wide<'_, '_> {
 
     /// The place after "of all the cups", "of them all".
     pub(super) fn of_all(&self, at: usize) -> Option<usize> {
-        let mut end = self.any_of(at, "of @all")?;
+        let mut end = self.phrase(at, "of|@all|among|out of")?;
         loop {
             if let Some(next) = self.any_of(end, RIVALS) {
                 end = next;

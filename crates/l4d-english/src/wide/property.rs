@@ -24,9 +24,12 @@ pub(super) enum Item {
 const BETWEEN: &str = "and , on in of at all with its his her their the a an whole over round around that has having is are been it it's one two some \
     up made out from entire both big patch picture covered by to looking tone ones painted printed drawn marked wearing worn tied pulled back into down";
 /// Words that may come before a property after the noun.
-const INTRODUCTIONS: &str = "made of|made out of|made from|woven from|woven out of|full of|filled with|filled up with|filled|containing|painted|\
+const INTRODUCTIONS: &str = "made of|made out of|made from|woven from|woven out of|full of|filled with|containing|contains|contain|that holds|filled up with|filled|containing|painted|\
     coloured|of|in|wearing|dressed in|clad in|sporting|with|having|that has|holding|marked with|decorated with|covered in|covered with|\
     bearing|carrying|stuffed with|loaded with|piled with|done in|built of|with its|with her|with his|showing|who has filled with";
+
+/// All phrases of the grammar of properties, whose words are no misspellings.
+pub(super) const PHRASES: &[&str] = &[BETWEEN, INTRODUCTIONS];
 
 impl Wide<'_, '_> {
     /// Pieces at a place and where they end: the longest of each sort.
@@ -80,7 +83,9 @@ impl Wide<'_, '_> {
     /// "a lid" after "without" or "no".
     pub(super) fn lacking(&self, at: usize, noun: &str) -> Guesses<Vec<Clause>> {
         let mut found = Vec::new();
-        for guess in self.runs(at) {
+        // "No pattern, plain" denies the pattern alone.
+        let is_one = |items: &[Item]| !items.windows(2).any(|pair| matches!(pair, [Item::Part(_), Item::Value(_)]));
+        for guess in self.runs(at).into_iter().filter(|guess| is_one(&guess.value)) {
             let items: Vec<Item> = std::iter::once(Item::No).chain(guess.value.iter().cloned()).collect();
             if let Some((clauses, cost)) = self.resolved(noun, &items, false) {
                 found.push(Guess { value: clauses, ..guess.clone().map(|_| Vec::new()) }.plus(cost));
@@ -255,10 +260,10 @@ impl Wide<'_, '_> {
         if keys.is_none() {
             let extreme = |name: &str| values.iter().any(|(value, _)| value == name);
             if extreme("small") {
-                return Some((Clause::Superlative(Superlative::Smallest), 6));
+                return Some((Clause::Superlative(Superlative::Smallest), 12));
             }
             if extreme("large") {
-                return Some((Clause::Superlative(Superlative::Largest), 6));
+                return Some((Clause::Superlative(Superlative::Largest), 12));
             }
         }
         // What nothing here has: the lexicon's meaning, of the keys that such things have.

@@ -1,11 +1,12 @@
 //! Whole texts: a description, the time at which it counts, and what an earlier sentence has spoken of.
 
 use l4d_data::Temporal;
-use l4d_query::{Clause, Predicate};
+use l4d_query::{Clause, Party, Predicate, Relation, Superlative};
 
 use super::guess::{Guess, Guesses, cheapest};
 use super::noun_phrase::{Article, Described};
 use super::{Edge, Wide};
+use crate::lexicon::Form;
 
 /// Words before a description that are passed over at most.
 const MOST_PASSED: usize = 24;
@@ -36,6 +37,8 @@ impl Wide<'_, '_> {
         if let Some(gate) = self.gate(start) {
             self.gated_first(gate, &mut found);
         }
+        self.inverted(start, edge, &mut found);
+        self.no_other(start, &mut found);
         let inner = if edge.is_some() { self.skip(start, "it is|this is|that is|which is|which one is|find|show me|i want") } else { start };
         for begin in inner..self.tokens.len().min(inner + MOST_PASSED) {
             let passed = self.pass_all(inner, begin);
@@ -56,7 +59,7 @@ impl Wide<'_, '_> {
                 self.finish(&whole, &mut found);
             }
             // "Of the cups, the one that ..." and "the one of the cups".
-            if let Some(of) = self.phrase(begin, "of the|of all the|of these|of those|of all|between the|out of these|both of the|of both") {
+            if let Some(of) = self.phrase(begin, "of the|of all the|among all the|among all|of these|of those|of all|between the|out of these|out of the|out of those|out of|among the|among these|among those|among|both of the|of both|from the|from these") {
                 let of = self.skip(of, "two|three|four|five|these|those|the");
                 for noun in self.nouns(of).into_iter().filter(|guess| guess.value.1) {
                     let next = self.skip(noun.end, ",");
@@ -83,6 +86,18 @@ impl Wide<'_, '_> {
         for at in whole.end..length.min(whole.end + 3) {
             let Some(gate) = self.gate(at) else { continue };
             let passed = self.pass_all(whole.end, at);
+            // "While it does so": what has been said already.
+            let again = "it does so|she does so|he does so|they do so|it does it|she does it|he does it|they do it|it does|she does|he does|it is|she is|he is|they are|doing so|doing it|\
+                doing that|it happens|this happens|that happens|that is happening|it is doing so|she is doing so|he is doing so|it is doing it|it is doing that|she is doing it|\
+                she is doing that|he is doing it|he is doing that|it is at it|it lasts|that lasts|this lasts|it goes on|that goes on|it is happening|this is happening|it holds|that holds|that is so|\
+                it is so|it does that|she does that|he does that|being so|it is there|that is the case|this is the case|it is true|they last";
+            if let Some(end) = self.phrase(gate, again)
+                && !such.clauses.is_empty()
+            {
+                let tail = self.pass_all(end, length);
+                let meaning = (such.predicate(), Temporal::While);
+                found.push(whole.then(passed.clone(), |_, ()| ()).then(tail, |(), ()| meaning).plus(role_price(self, such)));
+            }
             for gated in self.gated(gate, &such.noun) {
                 let tail = self.pass_all(gated.end, length);
                 let clauses = such.predicate().0.into_iter().chain(gated.value.clone());
@@ -95,8 +110,10 @@ impl Wide<'_, '_> {
 
     /// The place after a word that begins a gate.
     fn gate(&self, at: usize) -> Option<usize> {
-        let mut next = self.any_of(at, "@while when as until once")?;
-        while let Some(after) = self.any_of(next, "@while when as just only but") {
+        let start = self.skip(at, "but only|but just|only|just|but");
+        let mut next = self.any_of(start, "@while when as until once during throughout mid")?;
+        let is_noun = matches!(self.word(start), "during" | "throughout" | "mid");
+        while let Some(after) = self.any_of(next, if is_noun { "its her his their the a this that act of whole" } else { "@while when as just only but" }) {
             next = after;
         }
         Some(next)
@@ -141,6 +158,58 @@ impl Wide<'_, '_> {
         }
     }
 
+    /// "Touching a hand, that pen": what is said goes before what it is said of.
+    fn inverted(&self, at: usize, edge: Option<Edge>, found: &mut Vec<Guess<Meaning>>) {
+        for (place, noun) in self.mentions.iter().filter(|(place, _)| *place > at + 1) {
+            for said in [self.complement(at, noun), self.verb_phrase(at, noun)].concat() {
+                let Some(next) = self.any_of(said.end, ",").filter(|next| next <= place) else { continue };
+                for top in self.described(next, true).iter().filter(|top| top.value.noun == *noun) {
+                    let clauses = match edge {
+                        Some(edge) => edge.of(said.value.clone()),
+                        None => Some(said.value.clone()),
+                    };
+                    let Some(clauses) = clauses else { continue };
+                    let all = top.value.predicate().0.into_iter().chain(clauses);
+                    let meaning = (Predicate(all.collect()), Temporal::Whole);
+                    let tail = self.pass_all(top.end, self.tokens.len());
+                    found.push(said.then(top.clone(), |_, _| ()).then(tail, |(), ()| meaning).plus(3));
+                }
+            }
+        }
+    }
+
+    /// "No other cup is as tall", "no other cup is closer to the lamp".
+    fn no_other(&self, at: usize, found: &mut Vec<Guess<Meaning>>) {
+        let Some(next) = self.phrase(at, "no other|none of the other|no") else { return };
+        for noun in self.nouns(next) {
+            let Some(is) = self.phrase(noun.end, "is|are|stands|gets|comes|lies|is as|stands as|are as|is quite as|is so") else { continue };
+            let name = noun.value.0.clone();
+            let mut said = self.relation(is);
+            said.extend(self.extreme(is));
+            let plain = match self.word(is) {
+                "tall" => Some(Superlative::Tallest),
+                "big" | "large" => Some(Superlative::Largest),
+                "small" | "little" | "tiny" => Some(Superlative::Smallest),
+                "high" => Some(Superlative::Highest),
+                "low" => Some(Superlative::Lowest),
+                _ => None,
+            };
+            said.extend(plain.map(|extreme| Guess::new(vec![Clause::Superlative(extreme)], is + 1, 0)));
+            let is_extreme = |clause: &Clause| match clause {
+                Clause::Superlative(_) => true,
+                Clause::Relation { kind, .. } => matches!(kind, Relation::ClosestTo | Relation::FarthestFrom),
+                _ => false,
+            };
+            for guess in said.into_iter().filter(|guess| guess.value.iter().all(is_extreme)) {
+                let clauses = std::iter::once(Clause::Category(name.clone())).chain(guess.value.clone());
+                let meaning = (Predicate(clauses.collect()), Temporal::Whole);
+                let end = self.skip(guess.end, "as this one|as it|as this|than this one|than it|than this");
+                let tail = self.pass_all(end, self.tokens.len());
+                found.push(guess.then(tail, |_, ()| meaning).plus(4));
+            }
+        }
+    }
+
     /// "One of the cats sits down, I'd like the toy in front of it": the second sentence speaks of the first.
     fn after_another(&self) -> Vec<Guess<Meaning>> {
         let mut found = Vec::new();
@@ -161,15 +230,38 @@ impl Wide<'_, '_> {
                     firsts.push(passed.then(top.clone(), |(), _| ()).then(tail, |(), ()| such));
                 }
             }
+            firsts.extend(earlier.acted_on());
             firsts.retain(|guess| !guess.value.clauses.is_empty());
             for first in cheapest(firsts).into_iter().take(MOST_EARLIER) {
                 let wide = Wide::new(super::tokens::without_preamble(later.clone()), self.words, Some(first.value.clone()));
+                // "... that is the one": the second sentence says no more.
+                let rest: u32 = (0..wide.tokens.len()).map(|place| wide.price(place)).sum();
+                let meaning = (first.value.predicate(), Temporal::Whole);
+                found.push(first.clone().map(|_| meaning).plus(10 + rest.min(40)));
                 // What was passed over in the second sentence is not where it was in the whole.
                 let seconds = wide.sentences().into_iter().take(3);
                 found.extend(seconds.map(|second| Guess { cost: first.cost + second.cost + 8, skipped: first.skipped, ..second }));
             }
         }
         found
+    }
+}
+
+impl Wide<'_, '_> {
+    /// "A hand sets one of the teapots down": what something is done to.
+    fn acted_on(&self) -> Guesses<Described> {
+        let mut found = Vec::new();
+        for subject in self.described(0, false).iter() {
+            for event in self.event(subject.end, &[Form::Third, Form::Base, Form::Past], Some(&subject.value.noun), true) {
+                let Clause::Does { verb, to: Some(Party::Category(noun)) } = &event.value else { continue };
+                let by = self.party(&subject.value);
+                let clauses = vec![Clause::Undergoes { verb: verb.clone(), by }];
+                let such = Described { article: Article::The, noun: noun.clone(), clauses, is_plural: false };
+                let tail = self.pass_all(event.end, self.tokens.len());
+                found.push(subject.then(event.clone(), |_, _| ()).then(tail, |(), ()| such));
+            }
+        }
+        cheapest(found)
     }
 }
 

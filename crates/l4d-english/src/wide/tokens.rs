@@ -44,7 +44,7 @@ pub(super) fn plain(text: &str, preferred: &BTreeSet<String>) -> Plain {
             None => unknown.push(word.clone()),
         }
     }
-    Plain { words: rewritten(words), repairs, unknown, length }
+    Plain { words: without_contrast(rewritten(words)), repairs, unknown, length }
 }
 
 /// Lower-case words and "," for every pause.
@@ -96,8 +96,8 @@ fn contract(word: &str, words: &mut Vec<String>) {
             return push(&[start, full]);
         }
     }
-    const SUBJECTS: [&str; 18] = [
-        "it", "that", "who", "he", "she", "there", "what", "which", "where", "one", "here", "this", "everything", "nothing", "how", "else", "other", "whichever",
+    const SUBJECTS: [&str; 20] = [
+        "it", "that", "who", "he", "she", "there", "what", "which", "where", "one", "here", "this", "everything", "nothing", "how", "else", "other", "whichever", "whoever", "nobody",
     ];
     match word.strip_suffix("'s") {
         Some(start) if SUBJECTS.contains(&start) => push(&[start, "is"]),
@@ -183,6 +183,13 @@ fn rewritten(mut words: Vec<String>) -> Vec<String> {
         }
         words = found;
     }
+    words
+}
+
+/// Without what is said of others at the end: "rather than the green one", "since the rest are wide".
+fn without_contrast(mut words: Vec<String>) -> Vec<String> {
+    let at = (3..words.len()).find(|at| data().contrasts.longest(&words[*at..]).1 > 0);
+    words.truncate(at.unwrap_or(words.len()));
     words
 }
 

@@ -2,15 +2,16 @@
 
 use std::rc::Rc;
 
-use l4d_query::Clause;
+use l4d_query::{Clause, Relation};
 
+use super::data::data;
 use super::guess::{Guess, Guesses, cheapest};
 use super::{Edge, Order, Wide, is_event, negated};
 use crate::lexicon::Form;
 
 const FINITE: [Form; 4] = [Form::Third, Form::Base, Form::Past, Form::Ing];
 const BE: &str = "is|are|was|were|be|been|being|gets|get|getting|got|keeps|keep|keeping|stays|stay|staying|remains|remain|remaining|am|has been|have been|goes|appears|becomes";
-const HAVE: &str = "has|have|had|having|got|has got|is having|keeps|with";
+const HAVE: &str = "has|have|had|having|got|has got|is having|keeps|with|contains|contain|holds|is holding|carries";
 const WEAR: &str = "wears|wear|wore|is wearing|has on|sports";
 const STARTS: &str = "starts out|starts off|starts|begins|started|began|start out|start off|start|begin|starts the clip|begins the clip|starting out|starting off|\
     starting|beginning|begins its time|starts life";
@@ -19,10 +20,13 @@ const ENDS: &str = "ends up|winds up|finishes up|finishes|finishes off|ends|come
 const ASPECTS: &str = "starts to|starts|begins to|begins|begin|begin to|start|start to|starting to|starting|keeps on|keeps|goes on to|goes on|goes and|gets to|goes|proceeds to|manages to|\
     sets about|sets off|is seen|can be seen|is busy|is shown|continues to|comes|decides to|gets down to|ends up|happens to|has to|would|can|does|do|did|will|is about to|breaks into|\
     gets itself|takes to|sets to|goes ahead and|is caught|is found|gets up and|goes to";
-const POSTURES: &str = "stands|sits|lies|rests|stand|sit|lie|rest|standing|sitting|lying|resting|stood|sat|lay|hangs|hanging|waits|is placed|is located|is put|placed|located|put|\
+const POSTURES: &str = "stands|sits|lies|rests|stand|sit|lie|rest|standing|sitting|lying|resting|stood|sat|lay|hangs|hanging|is placed|is located|is put|placed|located|put|\
     comes|coming|stays|staying|remains|remaining|keeps|keeping|is found|is parked|parked|belongs|lives|finds itself|is situated|situated|rests itself|positioned|hovers|perches|perched";
 const RELATIVES: &str = "that|which|who|whom|where|, which|, who|, that|, the one that|, the one which|, the one who|the one that|the one who|and that|and which|and who|\
-    the one which|, the one|the one|the only one that|the only one who|, the only one that|, the only one who|, the only one which|whichever|the same one that";
+    the one which|, the one|the one|the only one that|the only one who|, the only one that|, the only one who|, the only one which|whichever|the same one that|, it|, she|, he|, they|it|she|he|, this one|, that one";
+
+/// All phrases of the grammar of verbs, whose words are no misspellings.
+pub(super) const PHRASES: &[&str] = &[BE, HAVE, WEAR, STARTS, ENDS, ASPECTS, POSTURES, RELATIVES];
 
 impl Wide<'_, '_> {
     /// What follows a noun, as far as each of it goes.
@@ -41,6 +45,11 @@ impl Wide<'_, '_> {
             for one in self.modifiers(at, noun, is_top) {
                 add(&one, &mut found);
             }
+            if let Some(end) = self.background(at) {
+                for rest in self.after(end, noun, is_top).iter() {
+                    found.push(rest.clone().plus(2));
+                }
+            }
             // Words that fit nowhere are passed over if something follows.
             let is_joint = matches!(self.word(at), "," | "and" | "but" | "@all");
             let may_pass = is_top || is_joint || !matches!(self.word(at), "@while" | "when" | "as" | "@end" | "@start" | "@first" | "@last" | "and");
@@ -58,6 +67,18 @@ impl Wide<'_, '_> {
         let found = Rc::new(cheapest(found));
         self.rests.borrow_mut().insert(key, Rc::clone(&found));
         found
+    }
+
+    /// The place after "on the table", where the scene has no table that could be meant, or "more than the others".
+    fn background(&self, at: usize) -> Option<usize> {
+        if let Some(more) = self.any_of(at, "more") {
+            return self.than_others(more);
+        }
+        let next = self.any_of(at, "on in at across along over of around from inside")?;
+        let next = self.skip(next, "the|this|that|a|our|this little|that little");
+        let is_place = data().background.iter().any(|word| word == self.word(next));
+        let is_there = self.nouns(next).iter().any(|guess| guess.cost < 8);
+        (is_place && !is_there).then_some(next + 1)
     }
 
     /// One thing that is said of a noun after it.
@@ -88,6 +109,9 @@ impl Wide<'_, '_> {
         if let Some(next) = self.any_of(at, "never not") {
             found.extend(self.complement(next, noun).into_iter().map(not));
             found.extend(self.one_verb(next, noun).into_iter().map(not));
+        }
+        if self.phrase(at, "does not|do not|did not|neither|is|was|does").is_some() {
+            found.extend(self.one_verb(at, noun).into_iter().map(|guess| guess.plus(5)));
         }
         if self.any_of(at, "to").is_some() {
             let next = at + 1;
@@ -120,6 +144,11 @@ impl Wide<'_, '_> {
         let mut found = guesses.clone();
         for one in guesses {
             let [first] = &one.value[..] else { continue };
+            // "First waddles and then drinks": the first of two, not of all.
+            let first = match first {
+                Clause::First(inner) => inner.as_ref(),
+                clause => clause,
+            };
             if !is_event(first) {
                 continue;
             }
@@ -248,6 +277,8 @@ impl Wide<'_, '_> {
             }
             found.extend(self.surrounded(next));
             found.extend(self.done_by(next, noun).into_iter().map(|guess| guess.plus(2)));
+        }
+        if let Some(next) = self.phrase(at, "has|have|had|having|gets|got|is given|receives|with") {
             found.extend(self.passive_of_something(next, noun));
         }
         if let Some(next) = self.phrase(at, WEAR) {
@@ -277,7 +308,7 @@ impl Wide<'_, '_> {
         if self.phrase(at, POSTURES).is_some() {
             found.extend(self.posture(at, noun));
         }
-        for (words, kind) in [("faces face", l4d_query::Relation::Facing), ("touches touch touched", l4d_query::Relation::Touching)] {
+        for (words, kind) in [("faces face", Relation::Facing), ("touches touch touched", Relation::Touching)] {
             let Some(next) = self.any_of(at, words) else { continue };
             for guess in self.parties(next) {
                 found.push(guess.map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }]));
@@ -379,6 +410,18 @@ impl Wide<'_, '_> {
                     let Some(end) = self.phrase(guess.end, words) else { continue };
                     found.extend(order.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)));
                 }
+            }
+        }
+        // "Whose distance to the lamp is greatest".
+        if let Some(to) = self.phrase(at, "distance to|distance from|distance to and from|gap to|separation from") {
+            for guess in self.parties(to) {
+                let next = self.skip(guess.end, "is the|is|comes out the|comes out");
+                let kind = match self.word(next) {
+                    "greatest" | "largest" | "longest" | "farthest" | "highest" | "most" | "maximal" => Relation::FarthestFrom,
+                    "smallest" | "least" | "closest" | "lowest" | "minimal" => Relation::ClosestTo,
+                    _ => continue,
+                };
+                found.push(guess.map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }]).ending(next + 1));
             }
         }
         // "Whose lid swings up": the part is what does it.
