@@ -14,7 +14,7 @@ const STRANGE: f64 = 0.5;
 /// Cost at which a reading is believed half as much.
 const HALVING: f64 = 25.0;
 /// Dearer readings are none.
-const DEAREST: u32 = 75;
+const DEAREST: u32 = 90;
 /// Nouns that are named to somebody who was not understood.
 const MOST_NOUNS: usize = 12;
 /// Words that are quoted.

@@ -297,8 +297,13 @@ enum Order {
 impl Order {
     /// The first event of these, in this order; none if there is no event.
     fn of(self, mut clauses: Vec<Clause>) -> Option<Vec<Clause>> {
-        let event = clauses.iter_mut().find(|clause| is_event(clause))?;
-        let inner = Box::new(event.clone());
+        // "The last to end up standing": the end is when it stands.
+        let event_of = |clause: &Clause| match clause {
+            Clause::AtEnd(inner) | Clause::AtStart(inner) if is_event(inner) => Some(inner.as_ref().clone()),
+            clause => is_event(clause).then(|| clause.clone()),
+        };
+        let event = clauses.iter_mut().find(|clause| event_of(clause).is_some())?;
+        let inner = Box::new(event_of(event)?);
         *event = match self {
             Self::First => Clause::First(inner),
             Self::Last => Clause::Last(inner),

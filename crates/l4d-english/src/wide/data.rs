@@ -108,7 +108,7 @@ impl Data {
 
     /// Whether it is an English word, and so no misspelling.
     pub(super) fn is_english(&self, word: &str) -> bool {
-        let is_base = |word: &str| self.common.contains(word) || self.known.contains(word);
+        let is_base = |word: &str| self.common.contains(word);
         let ends = ["s", "es", "ed", "d", "ing", "er", "ly", "est", "ness"];
         let stems = ends.iter().filter_map(|end| word.strip_suffix(end)).filter(|stem| stem.len() > 2);
         let is_inflected = |stem: &str| {
@@ -318,6 +318,8 @@ fn clip_edges() -> Vec<(String, &'static str)> {
             }
         }
     }
+    found.extend(gates());
+    found.extend(faces());
     for link in ["once", "when", "after", "by the time", "as soon as"] {
         for thing in ["everything", "it all", "all", "it", "things", "the motion", "the movement", "everyone", "everybody", "all the motion", "all motion"] {
             for verb in ["has stopped", "has settled", "has finished", "has ended", "has come to rest", "is done", "have stopped", "have settled", "have finished", "settles", "settles down", "comes to rest", "has settled down", "is finished", "is over", "stops moving", "has stopped moving", "is still"] {
@@ -328,9 +330,49 @@ fn clip_edges() -> Vec<(String, &'static str)> {
     found
 }
 
+/// "at those times when", "during the part where": what begins a gate.
+fn gates() -> Vec<(String, &'static str)> {
+    let mut found = Vec::new();
+    for link in ["at", "during", "in", "for", "only at", "only during", "just during", "only for", "just for", "but only during", "but only for", "but only at", "over", "only in", "throughout"] {
+        for article in ["the", "those", "these", "all the", "that", "the only", "all of the"] {
+            for noun in ["time", "times", "moment", "moments", "part", "parts", "stretch", "period", "bit", "span", "interval", "seconds", "frames", "phase", "section", "portion", "stage", "instant", "while"] {
+                for tail in ["when", "while", "that", "where", "in which", "during which"] {
+                    found.push((format!("{link} {article} {noun} {tail}"), "@while"));
+                }
+            }
+        }
+    }
+    found
+}
+
+/// "with its nose turned towards", "has its front pointing at", "whose spout points at".
+fn faces() -> Vec<(String, &'static str)> {
+    let mut found = Vec::new();
+    for part in ["front", "face", "nose", "spout", "head", "eyes", "body", "front end", "beak", "bonnet", "hood", "headlights", "bill", "snout", "muzzle", "front side"] {
+        for to in ["at", "to", "toward", "towards", "in the direction of", "on", "straight at"] {
+            for verb in ["pointing", "pointed", "turned", "aimed", "directed", "facing", "looking", "fixed"] {
+                for owner in ["its", "his", "her", "their"] {
+                    found.push((format!("with {owner} {part} {verb} {to}"), "facing"));
+                    found.push((format!("has {owner} {part} {verb} {to}"), "is facing"));
+                    found.push((format!("having {owner} {part} {verb} {to}"), "facing"));
+                    found.push((format!("keeps {owner} {part} {verb} {to}"), "is facing"));
+                    found.push((format!("{owner} {part} is {verb} {to}"), "it is facing"));
+                }
+                found.push((format!("whose {part} is {verb} {to}"), "that is facing"));
+                found.push((format!("whose {part} are {verb} {to}"), "that is facing"));
+            }
+            for verb in ["points", "faces", "looks", "point", "is"] {
+                found.push((format!("whose {part} {verb} {to}"), "that is facing"));
+            }
+        }
+        found.push((format!("whose {part} faces"), "that is facing"));
+    }
+    found
+}
+
 /// Lower-case words, as sentences are split too.
 fn split(text: &str) -> Vec<String> {
-    let hyphens_apart = text.replace('-', " ");
+    let hyphens_apart = text.replace('-', " ").replace("'s", " 's");
     hyphens_apart.split_whitespace().map(str::to_owned).collect()
 }
 

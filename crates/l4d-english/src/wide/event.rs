@@ -19,7 +19,7 @@ const TRAILING: &str = "away|off|along|around|about|up|down|out|over|past|by han
     on the table|off the table|off the ground|off the floor|from the table|from the floor|from the ground|to the ground|to the floor|to the table|\
     with its beak|in the air|on foot|into the road|into the street|round|with her hands|with his hands|with its nose first|back|back down|forward|forwards|\
     with its bill|water|some water|for a sip|to one side|in her arms|in his arms|in her hands|in his hands|in its hand|with the hand|into it|from it|in it|on it|at it|with it|\
-    back and forth|backwards|low|further|more|on the spot|in place|down the road|along the road|across the tabletop";
+    back and forth|backwards|low|further|more|on the spot|in place|to go|to pass|to go past|to move|to go by|to get by|to drive by|to come past|to get past|up to it|down the road|along the road|across the tabletop";
 
 /// All phrases of the grammar of events, whose words are no misspellings.
 pub(super) const PHRASES: &[&str] = &[WITHIN, TRAILING];
@@ -159,7 +159,7 @@ impl Wide<'_, '_> {
             }
             let words: Vec<String> = doing.before.iter().chain(&doing.after).cloned().collect();
             let Some(mut end) = self.after_words(at + 1, &words) else { continue };
-            end = self.skip(end, "up|down|back down|back up|along|around|round|over|out|off|away|to");
+            end = self.skip(end, "up|down|back down|back up|along|around|round|over|out|off|away|to|it|them|into it|in it|on it|back");
             // "Picked up first by a hand".
             let order = match self.word(end) {
                 "first" | "@first" => Some(Order::First),

@@ -41,12 +41,12 @@ impl Wide<'_, '_> {
             let mut here = Vec::new();
             self.plain_relation(start, &mut here);
             self.nearness(start, &mut here);
+            here.extend(self.between_sides(start));
             found.extend(here.into_iter().map(|guess| guess.plus(price)));
             let Some(next) = self.phrase(start, LEADING) else { break };
             price += if matches!(self.word(start), "put" | "set" | "left" | "placed" | "kept" | "back" | "seen" | "found") { 3 } else { 0 };
             start = next;
         }
-        found.extend(self.between_sides(at));
         cheapest(found)
     }
 
@@ -58,7 +58,8 @@ impl Wide<'_, '_> {
                 continue;
             }
             let cost = match self.word(at) {
-                "before" | "at" | "around" | "within" => 6,
+                "before" => 12,
+                "at" | "around" | "within" => 6,
                 "by" => 5,
                 _ => 0,
             };
@@ -77,6 +78,9 @@ impl Wide<'_, '_> {
         ] {
             let Some(next) = self.any_of(start, words) else { continue };
             let is_comparative = self.word(start).ends_with("er");
+            let next = self.skip(next, "one|ones|of all|of them all");
+            let next = self.nouns(next).iter().filter(|guess| self.phrase(guess.end, links).is_some()).map(|guess| guess.end).max().unwrap_or(next);
+            let next = self.of_all(next).filter(|end| self.phrase(*end, links).is_some()).unwrap_or(next);
             let link = self.phrase(next, links);
             // "Closest the lamp".
             for (of, cost) in link.map(|of| (of, 0)).into_iter().chain([(next, if kind == Relation::ClosestTo { 1 } else { 6 })]) {

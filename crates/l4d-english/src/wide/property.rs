@@ -22,7 +22,7 @@ pub(super) enum Item {
 
 /// Words within a description of parts that say nothing themselves.
 const BETWEEN: &str = "and , on in of at all with its his her their the a an whole over round around that has having is are been it it's one two some \
-    up made out from entire both big patch picture covered by to looking tone ones painted printed drawn marked wearing worn tied pulled back into down";
+    up made out from entire both big patch picture covered by to looking tone done ones painted printed drawn marked wearing worn tied pulled back into down that go goes reach reaches come comes running runs which kind sort you see can";
 /// Words that may come before a property after the noun.
 const INTRODUCTIONS: &str = "made of|made out of|made from|woven from|woven out of|full of|filled with|containing|contains|contain|that holds|filled up with|filled|containing|painted|\
     coloured|of|in|wearing|dressed in|clad in|sporting|with|having|that has|holding|marked with|decorated with|covered in|covered with|\
@@ -215,7 +215,7 @@ impl Wide<'_, '_> {
             if has("yes") {
                 return Some((attribute("yes"), 0));
             }
-            for none in ["none", "no"] {
+            for none in ["none", "no", "plain", "bare"] {
                 if has(none) {
                     return Some((super::negated(attribute(none)), 0));
                 }

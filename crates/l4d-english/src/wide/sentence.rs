@@ -39,10 +39,19 @@ impl Wide<'_, '_> {
         }
         self.inverted(start, edge, &mut found);
         self.no_other(start, &mut found);
+        // "No teapot pours into this cup."
+        let has_this = self.tokens.iter().any(|word| matches!(word.as_str(), "this" | "that"));
+        for acted in self.acted_on(start).into_iter().filter(|_| has_this && self.before.is_none()) {
+            let meaning = (acted.value.predicate(), Temporal::Whole);
+            found.push(acted.map(|_| meaning).plus(4));
+        }
         let inner = if edge.is_some() { self.skip(start, "it is|this is|that is|which is|which one is|find|show me|i want") } else { start };
         for begin in inner..self.tokens.len().min(inner + MOST_PASSED) {
-            let passed = self.pass_all(inner, begin);
-            if passed.cost > 90 {
+            // What comes before a description is mostly manners.
+            let mut passed = self.pass_all(inner, begin);
+            passed.cost /= 3;
+            let is_denial = begin > inner && matches!(self.word(begin - 1), "no" | "not" | "never" | "nobody" | "without" | "neither");
+            if passed.cost > 60 || is_denial {
                 break;
             }
             let tops = self.described(begin, true);
@@ -78,7 +87,8 @@ impl Wide<'_, '_> {
     fn finish(&self, whole: &Guess<Described>, found: &mut Vec<Guess<Meaning>>) {
         let such = &whole.value;
         let length = self.tokens.len();
-        let tail = self.pass_all(whole.end, length);
+        let mut tail = self.pass_all(whole.end, length);
+        tail.cost -= tail.cost / 3;
         // A description that says nothing is no description.
         let empty = if such.clauses.is_empty() { 30 } else { 0 };
         let meaning = (such.predicate(), Temporal::Whole);
@@ -122,6 +132,7 @@ impl Wide<'_, '_> {
     /// "it rolls", "rolling", "a hand lifts it", "the dog is running".
     fn gated(&self, at: usize, noun: &str) -> Guesses<Vec<Clause>> {
         let mut found = Vec::new();
+        let at = self.skip(at, "there is|there are|is");
         if let Some(next) = self.any_of(at, "it he she they that this") {
             found.extend(self.verb_phrase(next, noun));
         }
@@ -160,6 +171,7 @@ impl Wide<'_, '_> {
 
     /// "Touching a hand, that pen": what is said goes before what it is said of.
     fn inverted(&self, at: usize, edge: Option<Edge>, found: &mut Vec<Guess<Meaning>>) {
+        let at = self.skip(at, "it is|it|she is|she|he is|he|they are|they");
         for (place, noun) in self.mentions.iter().filter(|(place, _)| *place > at + 1) {
             for said in [self.complement(at, noun), self.verb_phrase(at, noun)].concat() {
                 let Some(next) = self.any_of(said.end, ",").filter(|next| next <= place) else { continue };
@@ -230,7 +242,15 @@ impl Wide<'_, '_> {
                     firsts.push(passed.then(top.clone(), |(), _| ()).then(tail, |(), ()| such));
                 }
             }
-            firsts.extend(earlier.acted_on());
+            let named = wide_mentions(&later, self.words);
+            for acted in earlier.acted_on(0) {
+                // "A cat bats a toy, and that toy is the one": the toy is meant.
+                if named.as_ref() == Some(&acted.value.noun) {
+                    let meaning = (acted.value.predicate(), Temporal::Whole);
+                    found.push(acted.clone().map(|_| meaning).plus(3));
+                }
+                firsts.push(acted);
+            }
             firsts.retain(|guess| !guess.value.clauses.is_empty());
             for first in cheapest(firsts).into_iter().take(MOST_EARLIER) {
                 let wide = Wide::new(super::tokens::without_preamble(later.clone()), self.words, Some(first.value.clone()));
@@ -249,13 +269,21 @@ impl Wide<'_, '_> {
 
 impl Wide<'_, '_> {
     /// "A hand sets one of the teapots down": what something is done to.
-    fn acted_on(&self) -> Guesses<Described> {
+    fn acted_on(&self, at: usize) -> Guesses<Described> {
         let mut found = Vec::new();
-        for subject in self.described(0, false).iter() {
-            for event in self.event(subject.end, &[Form::Third, Form::Base, Form::Past], Some(&subject.value.noun), true) {
+        for subject in self.described(at, false).iter() {
+            let verb_at = self.skip(subject.end, "never|does not|does|is|ever");
+            let is_denied = self.tokens[subject.end..verb_at].iter().any(|word| matches!(word.as_str(), "never" | "not"));
+            let is_not = is_denied || subject.value.article == Article::No;
+            for event in self.event(verb_at, &[Form::Third, Form::Base, Form::Past, Form::Ing], Some(&subject.value.noun), true) {
                 let Clause::Does { verb, to: Some(Party::Category(noun)) } = &event.value else { continue };
-                let by = self.party(&subject.value);
-                let clauses = vec![Clause::Undergoes { verb: verb.clone(), by }];
+                let mut subject_ = subject.value.clone();
+                if subject_.article == Article::No {
+                    subject_.article = Article::A;
+                }
+                let by = self.party(&subject_);
+                let clause = Clause::Undergoes { verb: verb.clone(), by };
+                let clauses = vec![if is_not { super::negated(clause) } else { clause }];
                 let such = Described { article: Article::The, noun: noun.clone(), clauses, is_plural: false };
                 let tail = self.pass_all(event.end, self.tokens.len());
                 found.push(subject.then(event.clone(), |_, _| ()).then(tail, |(), ()| such));
@@ -268,4 +296,10 @@ impl Wide<'_, '_> {
 /// Scenes are asked for objects, seldom for landmarks.
 fn role_price(wide: &Wide<'_, '_>, such: &Described) -> u32 {
     if wide.words.is_object(&such.noun) { 0 } else { 25 }
+}
+
+/// What a later sentence names first.
+fn wide_mentions(tokens: &[String], words: &crate::words::Words<'_>) -> Option<String> {
+    let wide = Wide::new(tokens.to_vec(), words, None);
+    wide.mentions.first().map(|(_, noun)| noun.clone())
 }

@@ -96,12 +96,13 @@ fn contract(word: &str, words: &mut Vec<String>) {
             return push(&[start, full]);
         }
     }
-    const SUBJECTS: [&str; 20] = [
-        "it", "that", "who", "he", "she", "there", "what", "which", "where", "one", "here", "this", "everything", "nothing", "how", "else", "other", "whichever", "whoever", "nobody",
+    const SUBJECTS: [&str; 19] = [
+        "it", "that", "who", "he", "she", "there", "what", "which", "where", "one", "here", "this", "everything", "nothing", "how", "else", "other", "whichever", "whoever",
     ];
     match word.strip_suffix("'s") {
         Some(start) if SUBJECTS.contains(&start) => push(&[start, "is"]),
-        _ => push(&[word]),
+        Some(start) => push(&[start, "'s"]),
+        None => push(&[word]),
     }
 }
 
@@ -195,6 +196,15 @@ fn without_contrast(mut words: Vec<String>) -> Vec<String> {
 
 pub(super) fn without_preamble(mut words: Vec<String>) -> Vec<String> {
     loop {
+        // "Who is the cook that" describes; "who kicks the ball" asks for anybody.
+        if words.first().is_some_and(|word| word == "who") {
+            let next = words.get(2).map_or("", String::as_str);
+            if words.get(1).is_some_and(|word| word == "is") && matches!(next, "the" | "a" | "that" | "first" | "last") {
+                words.drain(..2);
+                continue;
+            }
+            words[0] = "whoever".to_owned();
+        }
         let length = data().preambles.longest(&words).1;
         if length == 0 {
             let pause = usize::from(words.first().is_some_and(|word| word == ","));

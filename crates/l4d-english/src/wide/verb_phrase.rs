@@ -17,7 +17,7 @@ const STARTS: &str = "starts out|starts off|starts|begins|started|began|start ou
     starting|beginning|begins its time|starts life";
 const ENDS: &str = "ends up|winds up|finishes up|finishes|finishes off|ends|comes to rest|comes to a rest|settles|lands up|ended up|finished|end up|wind up|finish|winding up|\
     ending up|finishing|finishing up|ending|ends the clip|finishes the clip|comes to a stop|is left|wound up|turns out|comes to stand|comes to lie|arrives|gets to";
-const ASPECTS: &str = "starts to|starts|begins to|begins|begin|begin to|start|start to|starting to|starting|keeps on|keeps|goes on to|goes on|goes and|gets to|goes|proceeds to|manages to|\
+const ASPECTS: &str = "go and|come and|goes off and|gets round to|gets around to|happen to|happens to be|gets to be|get to be|starts to|starts|begins to|begins|begin|begin to|start|start to|starting to|starting|keeps on|keeps|goes on to|goes on|goes and|gets to|goes|proceeds to|manages to|\
     sets about|sets off|is seen|can be seen|is busy|is shown|continues to|comes|decides to|gets down to|ends up|happens to|has to|would|can|does|do|did|will|is about to|breaks into|\
     gets itself|takes to|sets to|goes ahead and|is caught|is found|gets up and|goes to";
 const POSTURES: &str = "stands|sits|lies|rests|stand|sit|lie|rest|standing|sitting|lying|resting|stood|sat|lay|hangs|hanging|is placed|is located|is put|placed|located|put|\
@@ -74,6 +74,12 @@ impl Wide<'_, '_> {
         if let Some(more) = self.any_of(at, "more") {
             return self.than_others(more);
         }
+        // "That leaves the balls alone, never chasing one": what follows says what is meant.
+        let start = self.skip(at, RELATIVES);
+        if let Some(next) = self.any_of(start, "leaves leave leaving") {
+            let left = self.parties(next).into_iter().filter_map(|guess| self.phrase(guess.end, "alone|be|in peace"));
+            return left.min();
+        }
         let next = self.any_of(at, "on in at across along over of around from inside")?;
         let next = self.skip(next, "the|this|that|a|our|this little|that little");
         let is_place = data().background.iter().any(|word| word == self.word(next));
@@ -87,8 +93,9 @@ impl Wide<'_, '_> {
         if let Some(next) = self.phrase(at, RELATIVES) {
             found.extend(self.verb_phrase(next, noun));
             found.extend(self.done_by(next, noun));
+            found.extend(self.relation(next).into_iter().map(|guess| guess.plus(1)));
         }
-        if let Some(next) = self.any_of(at, "whose") {
+        if let Some(next) = self.any_of(at, "whose 's") {
             found.extend(self.whose(next, noun));
         }
         found.extend(self.described_by(at, noun));
@@ -189,6 +196,9 @@ impl Wide<'_, '_> {
                 let Some(end) = self.any_of(at, word) else { continue };
                 found.extend(edge.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)));
             }
+            if let Some((order, end)) = self.rivals(at, noun) {
+                found.extend(order.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)));
+            }
             for (order, words) in [(Order::First, "@first|first|first of all"), (Order::Last, "@last|last|the last|at last")] {
                 let Some(mut end) = self.phrase(at, words) else { continue };
                 // "First" before "then" begins a sequence.
@@ -200,6 +210,28 @@ impl Wide<'_, '_> {
             }
         }
         cheapest(found)
+    }
+
+    /// "before all of the other cats do": an order among the like.
+    fn rivals(&self, at: usize, noun: &str) -> Option<(Order, usize)> {
+        let (order, start) = match self.phrase(at, "before|ahead of|sooner than|earlier than|prior to") {
+            Some(start) => (Order::First, start),
+            None => (Order::Last, self.phrase(at, "after|later than|behind")?),
+        };
+        let mut end = start;
+        loop {
+            if let Some(next) = self.any_of(end, "any all every each the other others one ones of them rest two three four else everyone everybody anyone anybody either these those") {
+                end = next;
+                continue;
+            }
+            match self.nouns(end).iter().find(|guess| guess.value.0 == noun) {
+                Some(guess) => end = guess.end,
+                None => break,
+            }
+        }
+        let names_rivals = self.tokens[start..end].iter().any(|word| matches!(word.as_str(), "other" | "others" | "rest" | "else"));
+        let end = self.skip(end, "does|do|is|are|did|have|has|does so|do so|gets to|get to|manages to");
+        names_rivals.then_some((order, end))
     }
 
     /// The place after "the other cats do", where an order has been said.
@@ -289,7 +321,7 @@ impl Wide<'_, '_> {
         }
         for (edge, phrases) in [(Edge::Start, STARTS), (Edge::End, ENDS)] {
             let Some(next) = self.phrase(at, phrases) else { continue };
-            let next = self.skip(next, "by being|being|off|up|out|by|in a place|things");
+            let next = self.skip(next, "by being|being|off|up|out|by|in a place|things|as|out as|off as|up as");
             // "Starts walking" is walking; "starts out walking" is at the start.
             let is_plain = matches!(edge, Edge::Start) && next == at + 1;
             for guess in self.complement(next, noun) {
@@ -304,6 +336,7 @@ impl Wide<'_, '_> {
             let next = self.skip(next, "itself|herself|himself|off|to|be|out|up");
             found.extend(self.event(next, &FINITE, Some(noun), true).into_iter().map(single).map(|guess| guess.plus(1)));
             found.extend(self.passive(next, noun).into_iter().map(single).map(|guess| guess.plus(1)));
+            found.extend(self.complement(next, noun).into_iter().map(|guess| guess.plus(3)));
         }
         if self.phrase(at, POSTURES).is_some() {
             found.extend(self.posture(at, noun));
@@ -357,6 +390,13 @@ impl Wide<'_, '_> {
         }
         found.extend(self.extreme(at));
         found.extend(self.relation(at));
+        // "Sitting there waiting".
+        if let Some(next) = self.phrase(at, "sitting|standing|lying|stuck|sat|stood|parked|kept|left|held up") {
+            found.extend(self.event(next, &[Form::Ing], Some(noun), true).into_iter().map(single).map(|guess| guess.plus(2)));
+        }
+        if self.phrase(at, POSTURES).is_some() {
+            found.extend(self.posture(at, noun).into_iter().map(|guess| guess.plus(1)));
+        }
         found.extend(self.run(at, noun, false));
         found.extend(self.described_by(at, noun).into_iter().map(|guess| guess.plus(1)));
         found.extend(self.event(at, &[Form::Ing], Some(noun), true).into_iter().map(single));
