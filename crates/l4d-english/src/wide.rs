@@ -237,6 +237,14 @@ fn without_repeats(predicate: Predicate) -> Predicate {
         }
         _ => false,
     };
+    // "Sits before the others sit": the order says that it sits.
+    let is_ordered = |clause: &Clause| {
+        clauses.iter().any(|other| match other {
+            Clause::First(inner) | Clause::Last(inner) => inner.as_ref() == clause,
+            _ => false,
+        })
+    };
+    let is_less = |clause: &Clause| is_less(clause) || is_ordered(clause);
     let kept = clauses.iter().filter(|clause| !is_less(clause)).cloned().collect();
     Predicate(kept)
 }

@@ -4,7 +4,7 @@ use l4d_query::{Clause, Party, Relation};
 
 use super::data::{Doing, data};
 use super::guess::{Guess, Guesses, cheapest};
-use super::noun_phrase::Article;
+use super::noun_phrase::{Article, Described};
 use super::{Order, Wide};
 use crate::lexicon::Form;
 
@@ -75,7 +75,7 @@ impl Wide<'_, '_> {
             {
                 found.push(Guess::new(Clause::Does { verb, to: None }, end, misfit + 7 + doing.cost));
             }
-            for object in self.objects(end) {
+            for object in self.objects(end, subject) {
                 let Some(end) = self.after_words(object.end, &doing.after) else { continue };
                 let (party, noun, is_no) = &object.value;
                 let Some((verb, misfit)) = self.verb(doing, subject, Some(noun)) else { continue };
@@ -94,7 +94,7 @@ impl Wide<'_, '_> {
         if !is_particle {
             return;
         }
-        for object in self.objects(at + 1) {
+        for object in self.objects(at + 1, subject) {
             let Some(end) = self.after_words(object.end, &doing.before) else { continue };
             let (party, noun, is_no) = &object.value;
             let Some((verb, misfit)) = self.verb(doing, subject, Some(noun)) else { continue };
@@ -105,13 +105,21 @@ impl Wide<'_, '_> {
     }
 
     /// Objects of a verb; "no basket" says that it is not done.
-    fn objects(&self, at: usize) -> Guesses<(Party, String, bool)> {
+    fn objects(&self, at: usize, subject: Option<&str>) -> Guesses<(Party, String, bool)> {
         let mut found: Guesses<(Party, String, bool)> =
             self.parties(at).into_iter().map(|guess| guess.map(|(party, noun)| (party, noun, false))).collect();
         // "Doesn't chase one": any of what was spoken of.
         if let Some(end) = self.any_of(at, "one them any") {
             let nouns = self.mentioned(at).into_iter();
             found.extend(nouns.map(|(noun, cost)| Guess::new((Party::Category(noun.clone()), noun, false), end, cost + 3)));
+        }
+        // "Without putting it down": what was spoken of besides the subject.
+        if let (Some(end), None) = (self.any_of(at, "it"), &self.before) {
+            let others = self.mentions.iter().rev().filter(|(place, noun)| *place < at && subject.is_some_and(|own| own != noun));
+            for (_, noun) in others.take(1) {
+                let such = Described { article: Article::The, noun: noun.clone(), clauses: Vec::new(), is_plural: false };
+                found.push(Guess::new((self.party(&such), noun.clone(), false), end, 5));
+            }
         }
         for guess in self.described(at, false).iter().filter(|guess| guess.value.article == Article::No) {
             let mut such = guess.value.clone();
@@ -210,6 +218,23 @@ impl Wide<'_, '_> {
                 such.article = Article::A;
             }
             found.push(guess.clone().map(|_| (self.party(&such), such.noun.clone(), is_no)));
+        }
+        cheapest(found)
+    }
+
+    /// After "gets a": "kick from the woman", "push by a hand".
+    pub(super) fn given(&self, at: usize, object: &str) -> Guesses<Vec<Clause>> {
+        let mut found = Vec::new();
+        let what = self.word(at).to_owned();
+        for (_, doing) in data().doings_at("give").filter(|(form, doing)| *form == Form::Base && doing.after == [what.clone()]) {
+            let Some(from) = self.any_of(at + 1, "from by") else { continue };
+            for agent in self.agents(from) {
+                let (party, noun, is_no) = &agent.value;
+                let Some((verb, misfit)) = self.verb(doing, Some(noun), Some(object)) else { continue };
+                let clause = Clause::Undergoes { verb, by: party.clone() };
+                let clause = if *is_no { super::negated(clause) } else { clause };
+                found.push(agent.clone().map(|_| vec![clause]).plus(misfit));
+            }
         }
         cheapest(found)
     }

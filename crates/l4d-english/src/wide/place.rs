@@ -25,7 +25,7 @@ const ON_ONE_SIDE: &str = "on one side of it|on its one side|to one side of it|o
 const ON_THE_OTHER: &str = "on the other side of it|on the other side|on the other|over on the other|over on the other side|to the other side|to the other|\
     on its other side|at the other|on the opposite side|on the far side";
 /// Words before a relation that say nothing more.
-const LEADING: &str = "right|up|over|down|out|standing|sitting|lying|located|placed|situated|positioned|parked|resting|being|found|seen|left|\
+const LEADING: &str = "right|up|over|down|out|standing|sitting|lying|located|placed|situated|positioned|parked|positioned in the middle|positioned|resting|being|found|seen|left|\
     close|straight|there|off|back|away|hanging|somewhere|along|squarely|perched|set|put|kept|still|staying|remaining|that bit";
 
 /// All phrases of the grammar of places, whose words are no misspellings.
@@ -209,7 +209,7 @@ impl Wide<'_, '_> {
                 found.push(Guess::new(clause.clone(), end, 0));
             }
             let cost = if is_comparative { 4 } else { 0 };
-            let mut end = self.skip(next, "one|ones");
+            let mut end = self.skip(next, "one|ones|size|in size");
             end = self.nouns(next).iter().map(|guess| guess.end).max().unwrap_or(end);
             found.push(Guess::new(clause.clone(), next, cost));
             found.push(Guess::new(clause.clone(), end, cost));

@@ -83,6 +83,31 @@ impl Wide<'_, '_> {
         cheapest(found)
     }
 
+    /// "One notebook is open and the other is closed, I want the open one": the request says it all, and "one" is what
+    /// was spoken of; "I want the one who doesn't" denies what was said.
+    fn requested(&self, at: usize, later: &[String], found: &mut Vec<Guess<Meaning>>) {
+        let joint = later.first().is_some_and(|word| matches!(word.as_str(), "and" | "but" | "so"));
+        let request = super::tokens::without_preamble(later[usize::from(joint)..].to_vec());
+        let is_request = request.len() + usize::from(joint) < later.len();
+        let Some((_, noun)) = self.mentions.iter().find(|(place, noun)| *place < at && self.words.is_object(noun)) else { return };
+        if !is_request || request.is_empty() {
+            return;
+        }
+        let text = request.join(" ");
+        if ["the one who does not", "the one that does not", "the one which does not", "the woman who does not", "the one that is not"].contains(&text.as_str()) {
+            let earlier = Wide::new(self.tokens[..at].to_vec(), self.words, None);
+            for top in earlier.described(0, true).iter().filter(|top| top.value.clauses.len() == 1 && top.end == at) {
+                let clauses = top.value.clauses.iter().cloned().map(super::negated);
+                let all = std::iter::once(Clause::Category(top.value.noun.clone())).chain(clauses);
+                found.push(top.clone().map(|_| (Predicate(all.collect()), Temporal::Whole)).plus(4));
+            }
+        }
+        let spoken = Described { article: Article::The, noun: noun.clone(), clauses: Vec::new(), is_plural: false };
+        let wide = Wide::new(request, self.words, Some(spoken));
+        let seconds = wide.single_sentence(0).into_iter().filter(|guess| guess.value.0.0.len() > 1).take(3);
+        found.extend(seconds.map(|second| Guess { cost: second.cost + 6, skipped: 0, ..second }));
+    }
+
     /// What comes after a description: nothing, a gate, or words that fit nowhere.
     fn finish(&self, whole: &Guess<Described>, found: &mut Vec<Guess<Meaning>>) {
         let such = &whole.value;
@@ -132,7 +157,7 @@ impl Wide<'_, '_> {
     /// "it rolls", "rolling", "a hand lifts it", "the dog is running".
     fn gated(&self, at: usize, noun: &str) -> Guesses<Vec<Clause>> {
         let mut found = Vec::new();
-        let at = self.skip(at, "there is|there are|is");
+        let at = self.skip(at, "there is|there are|is|you see it|you can see it|we see it|you see her|you see him|we can see it|it can be seen|it is seen");
         if let Some(next) = self.any_of(at, "it he she they that this") {
             found.extend(self.verb_phrase(next, noun));
         }
@@ -228,6 +253,7 @@ impl Wide<'_, '_> {
         let places = (1..self.tokens.len().saturating_sub(1)).filter(|at| self.word(*at) == ",");
         for at in places.take(3) {
             let later = self.tokens[at + 1..].to_vec();
+            self.requested(at, &later, &mut found);
             let speaks_back = later.iter().any(|word| matches!(word.as_str(), "it" | "him" | "her" | "them" | "she" | "he" | "one" | "that" | "they" | "its"));
             if !speaks_back {
                 continue;

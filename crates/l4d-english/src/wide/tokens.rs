@@ -44,7 +44,7 @@ pub(super) fn plain(text: &str, preferred: &BTreeSet<String>) -> Plain {
             None => unknown.push(word.clone()),
         }
     }
-    Plain { words: without_contrast(rewritten(words)), repairs, unknown, length }
+    Plain { words: without_contrast(rewritten(without_contrast(words))), repairs, unknown, length }
 }
 
 /// Lower-case words and "," for every pause.
@@ -124,7 +124,7 @@ fn repaired(word: &str, preferred: &BTreeSet<String>) -> Option<String> {
         let starts_alike = letters[0] == others[0];
         // "Teh" is "the"; three letters of which another is wrong are any word.
         let is_swap = { let (mut a, mut b) = (letters.clone(), others.clone()); a.sort_unstable(); b.sort_unstable(); a == b };
-        if distance > most || (letters.len() <= 3 && !is_swap) || (!starts_alike && distance > 1) {
+        if distance > most || (letters.len() <= 3 && !is_swap && !(preferred.contains(other) && length > letters.len())) || (!starts_alike && distance > 1) {
             continue;
         }
         let rank = (distance, !preferred.contains(other), !starts_alike, length.abs_diff(letters.len()));
@@ -163,6 +163,18 @@ fn rewritten(mut words: Vec<String>) -> Vec<String> {
         let mut at = 0;
         while at < words.len() {
             // "That is got", "it is got": the contraction of "has".
+            let next = words.get(at + 1).map_or("", String::as_str);
+            // "The cook's got", "a hand's writing".
+            if words[at] == "'s" && (next == "got" || next == "been") {
+                found.push("has".to_owned());
+                at += if next == "got" { 2 } else { 1 };
+                continue;
+            }
+            if words[at] == "'s" && next.ends_with("ing") {
+                found.push("is".to_owned());
+                at += 1;
+                continue;
+            }
             if words[at] == "is" && words.get(at + 1).is_some_and(|next| next == "got") {
                 found.push("has".to_owned());
                 at += 2;
@@ -195,6 +207,12 @@ fn without_contrast(mut words: Vec<String>) -> Vec<String> {
 }
 
 pub(super) fn without_preamble(mut words: Vec<String>) -> Vec<String> {
+    // "Not a white duck but the black one."
+    if words.first().is_some_and(|word| word == "not")
+        && let Some(but) = words.iter().position(|word| word == "but")
+    {
+        words.drain(..=but);
+    }
     loop {
         // "Who is the cook that" describes; "who kicks the ball" asks for anybody.
         if words.first().is_some_and(|word| word == "who") {

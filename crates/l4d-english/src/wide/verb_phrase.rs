@@ -11,13 +11,13 @@ use crate::lexicon::Form;
 
 const FINITE: [Form; 4] = [Form::Third, Form::Base, Form::Past, Form::Ing];
 const BE: &str = "is|are|was|were|be|been|being|gets|get|getting|got|keeps|keep|keeping|stays|stay|staying|remains|remain|remaining|am|has been|have been|goes|appears|becomes";
-const HAVE: &str = "has|have|had|having|got|has got|is having|keeps|with|contains|contain|holds|is holding|carries";
+const HAVE: &str = "has|have|had|having|got|has got|is having|keeps|with|contains|contain|holds|is holding|carries|shows|bears|displays|features|sports";
 const WEAR: &str = "wears|wear|wore|is wearing|has on|sports";
 const STARTS: &str = "starts out|starts off|starts|begins|started|began|start out|start off|start|begin|starts the clip|begins the clip|starting out|starting off|\
     starting|beginning|begins its time|starts life";
-const ENDS: &str = "ends up|winds up|finishes up|finishes|finishes off|ends|comes to rest|comes to a rest|settles|lands up|ended up|finished|end up|wind up|finish|winding up|\
+const ENDS: &str = "ends its trip|ends its drive|ends its journey|ends its run|ends its walk|finishes its trip|finishes its run|has ended up|has come to lie|has come to rest|has come to stand|has finished|has finished up|ends up|winds up|finishes up|finishes|finishes off|ends|comes to rest|comes to a rest|settles|lands up|ended up|finished|end up|wind up|finish|winding up|\
     ending up|finishing|finishing up|ending|ends the clip|finishes the clip|comes to a stop|is left|wound up|turns out|comes to stand|comes to lie|arrives|gets to";
-const ASPECTS: &str = "go and|come and|goes off and|gets round to|gets around to|happen to|happens to be|gets to be|get to be|starts to|starts|begins to|begins|begin|begin to|start|start to|starting to|starting|keeps on|keeps|goes on to|goes on|goes and|gets to|goes|proceeds to|manages to|\
+const ASPECTS: &str = "spends its time|spends her time|spends his time|spends the clip|spends time|go and|come and|goes off and|gets round to|gets around to|happen to|happens to be|gets to be|get to be|starts to|starts|begins to|begins|begin|begin to|start|start to|starting to|starting|keeps on|keeps|goes on to|goes on|goes and|gets to|goes|proceeds to|manages to|\
     sets about|sets off|is seen|can be seen|is busy|is shown|continues to|comes|decides to|gets down to|ends up|happens to|has to|would|can|does|do|did|will|is about to|breaks into|\
     gets itself|takes to|sets to|goes ahead and|is caught|is found|gets up and|goes to";
 const POSTURES: &str = "stands|sits|lies|rests|stand|sit|lie|rest|standing|sitting|lying|resting|stood|sat|lay|hangs|hanging|is placed|is located|is put|placed|located|put|\
@@ -98,6 +98,9 @@ impl Wide<'_, '_> {
         if let Some(next) = self.any_of(at, "whose 's") {
             found.extend(self.whose(next, noun));
         }
+        if let Some(next) = self.phrase(at, "for which the|for which|of which the|of which|around whose|on whose|in whose|round whose|at whose|with its|with his|with her|with their|, its|, his|, her|, their|and its|and his|and her") {
+            found.extend(self.whose(next, noun).into_iter().map(|guess| guess.plus(2)));
+        }
         found.extend(self.described_by(at, noun));
         found.extend(self.relation(at));
         found.extend(self.extreme(at));
@@ -167,7 +170,7 @@ impl Wide<'_, '_> {
             ];
             for (next, is_and, is_later) in links {
                 let Some(next) = next else { continue };
-                let next = self.skip(next, "who|that|which|,|first|next|is|@then");
+                let next = self.skip(next, "who|that|which|,|first|next|is|@then|she|he|it|they|it is|she is|he is|, she|, it|, he");
                 for two in self.one_verb(next, noun) {
                     let [second] = &two.value[..] else { continue };
                     if !is_event(second) || second == first {
@@ -191,7 +194,7 @@ impl Wide<'_, '_> {
     fn timed(&self, guesses: Guesses<Vec<Clause>>, noun: &str) -> Guesses<Vec<Clause>> {
         let mut found = guesses.clone();
         for guess in guesses {
-            let at = self.skip(guess.end, ",");
+            let at = self.skip(guess.end, ", but only|, only|, and only|but only|only|, but|,");
             for (edge, word) in [(Edge::Start, "@start"), (Edge::End, "@end")] {
                 let Some(end) = self.any_of(at, word) else { continue };
                 found.extend(edge.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)));
@@ -199,7 +202,7 @@ impl Wide<'_, '_> {
             if let Some((order, end)) = self.rivals(at, noun) {
                 found.extend(order.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)));
             }
-            for (order, words) in [(Order::First, "@first|first|first of all"), (Order::Last, "@last|last|the last|at last")] {
+            for (order, words) in [(Order::First, "@first|first|first of all"), (Order::Last, "@last|last|last of all|last of them all|the last|at last")] {
                 let Some(mut end) = self.phrase(at, words) else { continue };
                 // "First" before "then" begins a sequence.
                 if matches!(self.word(end), "@then" | "and") {
@@ -230,7 +233,11 @@ impl Wide<'_, '_> {
             }
         }
         let names_rivals = self.tokens[start..end].iter().any(|word| matches!(word.as_str(), "other" | "others" | "rest" | "else"));
-        let end = self.skip(end, "does|do|is|are|did|have|has|does so|do so|gets to|get to|manages to");
+        let mut end = self.skip(end, "does|do|is|are|did|have|has|does so|do so|gets to|get to|manages to|has been|have been|had|does it|do it|does that|do that");
+        // "... have stood", "... carries one".
+        if names_rivals && data().doings_at(self.word(end)).next().is_some() {
+            end = self.skip(end + 1, "one|it|down|up|from it|off|so|over|there|any");
+        }
         names_rivals.then_some((order, end))
     }
 
@@ -312,6 +319,9 @@ impl Wide<'_, '_> {
         }
         if let Some(next) = self.phrase(at, "has|have|had|having|gets|got|is given|receives|with") {
             found.extend(self.passive_of_something(next, noun));
+        }
+        if let Some(next) = self.phrase(at, "gets a|gets|receives a|receives|is given a|takes a|gets given a|got a|getting a|to get a|get a") {
+            found.extend(self.given(next, noun));
         }
         if let Some(next) = self.phrase(at, WEAR) {
             found.extend(self.run(next, noun, true));
