@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use l4d_data::tracks::Tracks;
 use l4d_network::Description;
 use l4d_query::Predicate;
-use l4d_query::soft::{Belief, BeliefError, BelievedEvent, Noise, Odds, Thing};
+use l4d_query::soft::{Belief, BeliefError, BelievedEvent, Noise, Odds, Thing, derive};
 
 use super::look::{Looked, log_softmax};
 use crate::geometric::motion::Kinematics;
@@ -43,7 +43,7 @@ impl Believed {
 pub(super) fn believed(
     looked: &Looked,
     description: &Description,
-    _predicate: &Predicate,
+    predicate: &Predicate,
 ) -> Option<Believed> {
     let seen = &looked.perceived;
     let all: Vec<usize> = (0..seen.tracks.len()).collect();
@@ -61,7 +61,8 @@ pub(super) fn believed(
         })
     };
     let things = all.iter().filter_map(thing).collect();
-    Some(Believed { tracks, things, events: Vec::new() })
+    let events = derive::events(&tracks, predicate);
+    Some(Believed { tracks, things, events })
 }
 
 /// Odds of nouns from mean logarithms.
