@@ -287,8 +287,8 @@ fn clip_edges() -> Vec<(String, &'static str)> {
     let things = ["clip", "video", "scene", "film", "footage", "action", "recording", "sequence", "movie", "animation", "shot"];
     for thing in things {
         for (verbs, to) in [
-            (&["starts", "begins", "opens", "kicks off", "starts out", "starts up"][..], "@start"),
-            (&["ends", "finishes", "stops", "is over", "closes", "is done", "comes to an end", "has ended", "runs out"], "@end"),
+            (&["starts", "begins", "opens", "kicks off", "starts out", "starts up", "began", "started", "opened", "gets going", "gets under way"][..], "@start"),
+            (&["ends", "finishes", "stops", "is over", "closes", "is done", "comes to an end", "has ended", "runs out", "ended", "finished", "was over"], "@end"),
         ] {
             for verb in verbs {
                 for link in ["when", "as", "once", "just as", "right as", "right when", "by the time", "just when", "at the moment"] {
@@ -318,6 +318,13 @@ fn clip_edges() -> Vec<(String, &'static str)> {
                         found.push((format!("{link} {article} {adjective} {noun}"), to));
                     }
                 }
+            }
+        }
+    }
+    for thing in ["everything", "it all", "it", "things", "all this"] {
+        for link in ["when", "as", "once", "just as", "right when", "just when"] {
+            for verb in ["begins", "starts", "began", "started", "gets going", "kicks off"] {
+                found.push((format!("{link} {thing} {verb}"), "@start"));
             }
         }
     }
@@ -363,6 +370,12 @@ fn faces() -> Vec<(String, &'static str)> {
                 }
                 found.push((format!("whose {part} is {verb} {to}"), "that is facing"));
                 found.push((format!("whose {part} are {verb} {to}"), "that is facing"));
+            }
+            if to.starts_with("toward") || to == "to" {
+                for owner in ["its", "his", "her", "their"] {
+                    found.push((format!("with {owner} {part} {to}"), "facing"));
+                    found.push((format!("has {owner} {part} {to}"), "is facing"));
+                }
             }
             for verb in ["points", "faces", "looks", "point", "is"] {
                 found.push((format!("whose {part} {verb} {to}"), "that is facing"));

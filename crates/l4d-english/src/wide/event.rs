@@ -14,7 +14,7 @@ const WITHIN: &str = "a an the its his her their some any little good quick big 
 /// Particles that may go before or after an object.
 const PARTICLES: [&str; 9] = ["up", "down", "over", "off", "out", "away", "along", "around", "open"];
 /// Adverbs and the like after a verb.
-const TRAILING: &str = "away|off|along|around|about|up|down|out|over|past|by hand|with one hand|with both hands|with its nose|with its paw|with a paw|with her foot|\
+const TRAILING: &str = "away|off|along|around|about|up|down|out|over|past|by hand|with one hand|with both hands|it|anything|them|with its nose|with its paw|with its snout|with its muzzle|with its head|with a hand|with one paw|with its foot|with a nose|with a paw|with her foot|\
     with his foot|with its foot|with a foot|with her hand|with his hand|on its own|through the air|across the table|across the floor|on the ground|on the floor|\
     on the table|off the table|off the ground|off the floor|from the table|from the floor|from the ground|to the ground|to the floor|to the table|\
     with its beak|in the air|on foot|into the road|into the street|round|with her hands|with his hands|with its nose first|back|back down|forward|forwards|\

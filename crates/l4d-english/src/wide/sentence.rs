@@ -104,7 +104,12 @@ impl Wide<'_, '_> {
         }
         let spoken = Described { article: Article::The, noun: noun.clone(), clauses: Vec::new(), is_plural: false };
         let wide = Wide::new(request, self.words, Some(spoken));
-        let seconds = wide.single_sentence(0).into_iter().filter(|guess| guess.value.0.0.len() > 1).take(3);
+        // "Next to it" speaks of more than the noun.
+        let is_vague = |predicate: &Predicate| {
+            predicate.parties().into_iter().any(|party| matches!(party, Party::Such(such) if such.0.len() == 1))
+        };
+        let is_whole = |guess: &Guess<Meaning>| guess.value.0.0.len() > 1 && !is_vague(&guess.value.0);
+        let seconds = wide.single_sentence(0).into_iter().filter(is_whole).take(3);
         found.extend(seconds.map(|second| Guess { cost: second.cost + 6, skipped: 0, ..second }));
     }
 
@@ -199,7 +204,8 @@ impl Wide<'_, '_> {
         let at = self.skip(at, "it is|it|she is|she|he is|he|they are|they");
         for (place, noun) in self.mentions.iter().filter(|(place, _)| *place > at + 1) {
             for said in [self.complement(at, noun), self.verb_phrase(at, noun)].concat() {
-                let Some(next) = self.any_of(said.end, ",").filter(|next| next <= place) else { continue };
+                // "Next to that pot is the pot I want."
+                let Some(next) = self.phrase(said.end, ",|is|are|, and that is|there is|, there is|stands|lies|sits|, that is").filter(|next| next <= place) else { continue };
                 for top in self.described(next, true).iter().filter(|top| top.value.noun == *noun) {
                     let clauses = match edge {
                         Some(edge) => edge.of(said.value.clone()),

@@ -33,7 +33,7 @@ pub(super) fn plain(text: &str, preferred: &BTreeSet<String>) -> Plain {
     let mut repairs = Vec::new();
     let mut unknown = Vec::new();
     for word in &mut words {
-        if word == "," || word.contains('\'') || data().is_english(word) || word.chars().any(|letter| letter.is_ascii_digit()) {
+        if word == "," || word.ends_with("ly") || word.contains('\'') || data().is_english(word) || word.chars().any(|letter| letter.is_ascii_digit()) {
             continue;
         }
         match repaired(word, preferred) {
@@ -44,6 +44,9 @@ pub(super) fn plain(text: &str, preferred: &BTreeSet<String>) -> Plain {
             None => unknown.push(word.clone()),
         }
     }
+    // How something is done is in no predicate.
+    let is_adverb = |word: &String| word.len() > 4 && word.ends_with("ly") && !data().is_known(word);
+    words.retain(|word| !is_adverb(word));
     Plain { words: without_contrast(rewritten(without_contrast(words))), repairs, unknown, length }
 }
 
@@ -170,7 +173,7 @@ fn rewritten(mut words: Vec<String>) -> Vec<String> {
                 at += if next == "got" { 2 } else { 1 };
                 continue;
             }
-            if words[at] == "'s" && next.ends_with("ing") {
+            if words[at] == "'s" && (next.ends_with("ing") || matches!(next, "the" | "a" | "not" | "on" | "in" | "first" | "last")) {
                 found.push("is".to_owned());
                 at += 1;
                 continue;

@@ -94,6 +94,15 @@ impl Wide<'_, '_> {
             found.extend(self.verb_phrase(next, noun));
             found.extend(self.done_by(next, noun));
             found.extend(self.relation(next).into_iter().map(|guess| guess.plus(1)));
+            // "That, at the end, a hand touches".
+            let pause = self.skip(next, ",");
+            for (edge, word) in [(Edge::Start, "@start"), (Edge::End, "@end")] {
+                let Some(then) = self.any_of(pause, word) else { continue };
+                let then = self.skip(then, ",");
+                for guess in [self.done_by(then, noun), self.verb_phrase(then, noun)].concat() {
+                    found.extend(edge.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses)));
+                }
+            }
         }
         if let Some(next) = self.any_of(at, "whose 's") {
             found.extend(self.whose(next, noun));
@@ -202,7 +211,7 @@ impl Wide<'_, '_> {
             if let Some((order, end)) = self.rivals(at, noun) {
                 found.extend(order.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)));
             }
-            for (order, words) in [(Order::First, "@first|first|first of all"), (Order::Last, "@last|last|last of all|last of them all|the last|at last")] {
+            for (order, words) in [(Order::First, "@first|first|first of all"), (Order::Last, "@last|last|second|last of all|last of them all|the last|at last")] {
                 let Some(mut end) = self.phrase(at, words) else { continue };
                 // "First" before "then" begins a sequence.
                 if matches!(self.word(end), "@then" | "and") {
@@ -223,7 +232,7 @@ impl Wide<'_, '_> {
         };
         let mut end = start;
         loop {
-            if let Some(next) = self.any_of(end, "any all every each the other others one ones of them rest two three four else everyone everybody anyone anybody either these those") {
+            if let Some(next) = self.any_of(end, "any all both every each the other others one ones of them rest two three four else everyone everybody anyone anybody either these those") {
                 end = next;
                 continue;
             }
@@ -432,7 +441,7 @@ impl Wide<'_, '_> {
         let start = self.skip(at, "the|the very");
         let order = match self.word(start) {
             "first" | "@first" => Order::First,
-            "last" | "@last" => Order::Last,
+            "last" | "@last" | "second" => Order::Last,
             _ => return Vec::new(),
         };
         let mut next = self.skip(start + 1, "one|ones");
@@ -466,6 +475,14 @@ impl Wide<'_, '_> {
         if let Some(to) = self.phrase(at, "distance to|distance from|distance to and from|gap to|separation from") {
             for guess in self.parties(to) {
                 let next = self.skip(guess.end, "is the|is|comes out the|comes out");
+                let more = match self.word(next) {
+                    "larger" | "greater" | "longer" | "bigger" | "farther" => Some(Relation::FarthestFrom),
+                    "smaller" | "closer" | "less" => Some(Relation::ClosestTo),
+                    _ => None,
+                };
+                if let (Some(kind), Some(end)) = (more, self.than_others(next + 1)) {
+                    found.push(guess.clone().map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }]).ending(end));
+                }
                 let kind = match self.word(next) {
                     "greatest" | "largest" | "longest" | "farthest" | "highest" | "most" | "maximal" => Relation::FarthestFrom,
                     "smallest" | "least" | "closest" | "lowest" | "minimal" => Relation::ClosestTo,
