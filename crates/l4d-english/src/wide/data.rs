@@ -328,27 +328,11 @@ fn clip_edges() -> Vec<(String, &'static str)> {
             }
         }
     }
-    found.extend(gates());
     found.extend(faces());
     for link in ["once", "when", "after", "by the time", "as soon as"] {
         for thing in ["everything", "it all", "all", "it", "things", "the motion", "the movement", "everyone", "everybody", "all the motion", "all motion"] {
             for verb in ["has stopped", "has settled", "has finished", "has ended", "has come to rest", "is done", "have stopped", "have settled", "have finished", "settles", "settles down", "comes to rest", "has settled down", "is finished", "is stopped", "is settled", "is at rest", "comes to a stop", "comes to an end", "ends", "stops", "is over", "stops moving", "has stopped moving", "is still"] {
                 found.push((format!("{link} {thing} {verb}"), "@end"));
-            }
-        }
-    }
-    found
-}
-
-/// "at those times when", "during the part where": what begins a gate.
-fn gates() -> Vec<(String, &'static str)> {
-    let mut found = Vec::new();
-    for link in ["at", "during", "in", "for", "only at", "only during", "just during", "only for", "just for", "but only during", "but only for", "but only at", "over", "only in", "throughout", "from", "right at", "starting from"] {
-        for article in ["the", "those", "these", "all the", "that", "the only", "all of the"] {
-            for noun in ["time", "times", "moment", "moments", "part", "parts", "stretch", "period", "bit", "span", "interval", "seconds", "frames", "phase", "section", "portion", "stage", "instant", "while"] {
-                for tail in ["when", "while", "that", "where", "in which", "during which"] {
-                    found.push((format!("{link} {article} {noun} {tail}"), "@while"));
-                }
             }
         }
     }

@@ -226,7 +226,8 @@ impl Wide<'_, '_> {
                 return Some((attribute("yes"), 0));
             }
             for none in ["none", "no", "plain", "bare"] {
-                if has(none) {
+                let is_such = !matches!(none, "plain" | "bare") || keys.first() == Some(key) && key == "pattern" && keys.len() <= 2;
+                if has(none) && is_such {
                     return Some((super::negated(attribute(none)), 0));
                 }
             }

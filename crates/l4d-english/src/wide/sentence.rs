@@ -54,6 +54,11 @@ impl Wide<'_, '_> {
             if passed.cost > 60 || is_denial {
                 break;
             }
+            // What is named first is mostly what is meant.
+            for (place, _) in self.mentions.iter().filter(|(place, noun)| *place >= inner && *place < begin && self.words.is_object(noun)) {
+                let is_apart = self.tokens[*place..begin].iter().any(|word| word == ",");
+                passed.cost += if is_apart { 5 } else { 14 };
+            }
             let tops = self.described(begin, true);
             for top in tops.iter().filter(|top| top.value.article != Article::No) {
                 let mut such = top.value.clone();
@@ -188,7 +193,7 @@ impl Wide<'_, '_> {
     fn gated_first(&self, gate: usize, found: &mut Vec<Guess<Meaning>>) {
         for (_, noun) in self.mentions.iter().take(4) {
             for gated in self.gated(gate, noun) {
-                let next = self.skip(gated.end, ",");
+                let next = self.skip(gated.end, ", that is when i want|, that is when i want to see|, that is when i need|, that is when|, i want|, show me|, find|,");
                 for top in self.described(next, true).iter().filter(|top| top.value.noun == *noun) {
                     let clauses = top.value.predicate().0.into_iter().chain(gated.value.clone());
                     let meaning = (Predicate(clauses.collect()), Temporal::While);

@@ -47,7 +47,7 @@ pub(super) fn plain(text: &str, preferred: &BTreeSet<String>) -> Plain {
     // How something is done is in no predicate.
     let is_adverb = |word: &String| word.len() > 4 && word.ends_with("ly") && !data().is_known(word);
     words.retain(|word| !is_adverb(word));
-    Plain { words: without_contrast(rewritten(without_contrast(words))), repairs, unknown, length }
+    Plain { words: without_contrast(rewritten(without_contrast(with_edges(words)))), repairs, unknown, length }
 }
 
 /// Lower-case words and "," for every pause.
@@ -99,8 +99,8 @@ fn contract(word: &str, words: &mut Vec<String>) {
             return push(&[start, full]);
         }
     }
-    const SUBJECTS: [&str; 19] = [
-        "it", "that", "who", "he", "she", "there", "what", "which", "where", "one", "here", "this", "everything", "nothing", "how", "else", "other", "whichever", "whoever",
+    const SUBJECTS: [&str; 20] = [
+        "it", "that", "who", "he", "she", "there", "what", "which", "where", "one", "here", "this", "everything", "nothing", "how", "else", "other", "whichever", "whoever", "all",
     ];
     match word.strip_suffix("'s") {
         Some(start) if SUBJECTS.contains(&start) => push(&[start, "is"]),
@@ -178,6 +178,11 @@ fn rewritten(mut words: Vec<String>) -> Vec<String> {
                 at += 1;
                 continue;
             }
+            // "Does the cheering".
+            if matches!(words[at].as_str(), "doing" | "does") && (next.ends_with("ing") || matches!(next, "the" | "some") && words.get(at + 2).is_some_and(|word| word.ends_with("ing"))) {
+                at += 1;
+                continue;
+            }
             if words[at] == "is" && words.get(at + 1).is_some_and(|next| next == "got") {
                 found.push("has".to_owned());
                 at += 2;
@@ -200,6 +205,76 @@ fn rewritten(mut words: Vec<String>) -> Vec<String> {
         words = found;
     }
     words
+}
+
+/// With "@start" and "@end" for what names an end of the clip: "when the recording gets going", "right at the very end".
+fn with_edges(words: Vec<String>) -> Vec<String> {
+    const CLIP: &str = " clip video scene film footage action recording sequence movie animation shot everything things camera all it story tape ";
+    const STARTS: &str = " start starts started begin begins began beginning open opens opening opened outset going underway rolling onset kicks commences starting ";
+    const ENDS: &str = " end ends ended finish finishes finished stop stops stopped close closes closing over done settles settled conclusion ending concludes finale rest wraps ";
+    let is_in = |list: &str, at: usize| words.get(at).is_some_and(|word| list.contains(&format!(" {word} ")));
+    let skip = |list: &str, mut at: usize| {
+        while is_in(list, at) {
+            at += 1;
+        }
+        at
+    };
+    let edge_at = |at: usize| if is_in(STARTS, at) { Some("@start") } else if is_in(ENDS, at) { Some("@end") } else { None };
+    let mut found = Vec::new();
+    let mut at = 0;
+    while at < words.len() {
+        // "During the part of the clip where", "at the times it".
+        let link = skip(" but only just ", at);
+        if is_in(" at during in for throughout over from through within ", link) {
+            let noun = skip(" right just only the those these all of whole entire very that few ", link + 1);
+            if is_in(" time times moment moments part parts stretch period bit span interval seconds frames phase section portion stage instant while point length duration window ", noun) {
+                let mut end = noun + 1;
+                if is_in(" of ", end) {
+                    end = skip(" of the clip video scene film footage recording ", end);
+                }
+                let tail = skip(" when while that where in which during for ", end);
+                let is_gate = tail > end && !is_in(" the ", end) || is_in(" it she he they ", end);
+                if is_gate {
+                    found.push("while".to_owned());
+                    at = tail;
+                    continue;
+                }
+            }
+        }
+        // "When the clip gets going".
+        if is_in(" when as once while until till after before by ", at) {
+            let start = skip(" just right the time moment point very ", at + 1);
+            let thing = skip(" the this whole entire whole ", start);
+            if is_in(CLIP, thing) && (thing > start || !is_in(" it all ", thing) || is_in(" all ", thing + 1)) {
+                let verb = skip(" all this that has have is are s gets get comes come to a an up first just finally really 's been and coming an 'll will had ", thing + 1);
+                if let Some(edge) = edge_at(verb) {
+                    let end = skip(" up out off down moving playing happening rolling ", verb + 1);
+                    found.push(edge.to_owned());
+                    at = end;
+                    continue;
+                }
+            }
+        }
+        // "Right at the very start of the recording".
+        let link = skip(" right just only all already back even ", at);
+        if is_in(" at by in from toward towards near until till to for ", link) {
+            let noun = skip(" the very absolute actual its that a this total ", link + 1);
+            if noun > link + 1 && let Some(edge) = edge_at(noun).filter(|_| !is_in(" open opens close closes over done going rolling stop stops rest ", noun)) {
+                let of = skip(" of ", noun + 1);
+                let thing = skip(" the this all our ", of);
+                let is_of_clip = of > noun + 1 && is_in(CLIP, thing);
+                // "At the end of the table" is a place.
+                if of == noun + 1 || is_of_clip {
+                    found.push(edge.to_owned());
+                    at = if is_of_clip { skip(" all ", thing + 1) } else { of };
+                    continue;
+                }
+            }
+        }
+        found.push(words[at].clone());
+        at += 1;
+    }
+    found
 }
 
 /// Without what is said of others at the end: "rather than the green one", "since the rest are wide".

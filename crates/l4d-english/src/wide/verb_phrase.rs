@@ -17,7 +17,7 @@ const STARTS: &str = "starts out|starts off|starts|begins|started|began|start ou
     starting|beginning|begins its time|starts life";
 const ENDS: &str = "ends its trip|ends its drive|ends its journey|ends its run|ends its walk|finishes its trip|finishes its run|has ended up|has come to lie|has come to rest|has come to stand|has finished|has finished up|ends up|winds up|finishes up|finishes|finishes off|ends|comes to rest|comes to a rest|settles|lands up|ended up|finished|end up|wind up|finish|winding up|\
     ending up|finishing|finishing up|ending|ends the clip|finishes the clip|comes to a stop|is left|wound up|turns out|comes to stand|comes to lie|arrives|gets to";
-const ASPECTS: &str = "spends its time|spends her time|spends his time|spends the clip|spends time|go and|come and|goes off and|gets round to|gets around to|happen to|happens to be|gets to be|get to be|starts to|starts|begins to|begins|begin|begin to|start|start to|starting to|starting|keeps on|keeps|goes on to|goes on|goes and|gets to|goes|proceeds to|manages to|\
+const ASPECTS: &str = "comes and|comes over and|goes over and|goes up and|walks up and|walks over and|starts by|begins by|starts off by|spends|spend|spends its time|spends her time|spends his time|spends the clip|spends time|go and|come and|goes off and|gets round to|gets around to|happen to|happens to be|gets to be|get to be|starts to|starts|begins to|begins|begin|begin to|start|start to|starting to|starting|keeps on|keeps|goes on to|goes on|goes and|gets to|goes|proceeds to|manages to|\
     sets about|sets off|is seen|can be seen|is busy|is shown|continues to|comes|decides to|gets down to|ends up|happens to|has to|would|can|does|do|did|will|is about to|breaks into|\
     gets itself|takes to|sets to|goes ahead and|is caught|is found|gets up and|goes to";
 const POSTURES: &str = "stands|sits|lies|rests|stand|sit|lie|rest|standing|sitting|lying|resting|stood|sat|lay|hangs|hanging|is placed|is located|is put|placed|located|put|\
@@ -340,6 +340,10 @@ impl Wide<'_, '_> {
         }
         for (edge, phrases) in [(Edge::Start, STARTS), (Edge::End, ENDS)] {
             let Some(next) = self.phrase(at, phrases) else { continue };
+            // "Starts by kicking a ball" tells what comes first.
+            if self.word(next) == "by" && self.word(next + 1).ends_with("ing") {
+                continue;
+            }
             let next = self.skip(next, "by being|being|off|up|out|by|in a place|things|as|out as|off as|up as");
             // "Starts walking" is walking; "starts out walking" is at the start.
             let is_plain = matches!(edge, Edge::Start) && next == at + 1;
@@ -376,7 +380,7 @@ impl Wide<'_, '_> {
         let Some(next) = self.phrase(at, POSTURES) else { return Vec::new() };
         let next = self.skip(next, "off|up|out|there|right there|over");
         let does = ["stand", "sit", "lie", "rest"].iter().any(|verb| self.words.is_of_a_scene() && self.words.is_done_by(verb, noun));
-        let cost = if does { 7 } else { 0 };
+        let cost = if does { 2 } else { 0 };
         let mut found: Guesses<Vec<Clause>> = self.relation(next).into_iter().map(|guess| guess.plus(cost)).collect();
         found.extend(self.extreme(next).into_iter().map(|guess| guess.plus(cost)));
         // "Lying open".
