@@ -191,6 +191,16 @@ impl Wide<'_, '_> {
 
     /// "While it is flying, the duck."
     fn gated_first(&self, gate: usize, found: &mut Vec<Guess<Meaning>>) {
+        // "When the cat walks": nothing else is described.
+        for top in self.described(gate, false).iter().filter(|top| self.words.is_object(&top.value.noun)) {
+            let noun = &top.value.noun;
+            for said in self.verb_phrase(top.end, noun) {
+                let clauses = top.value.predicate().0.into_iter().chain(said.value.clone());
+                let meaning = (Predicate(clauses.collect()), Temporal::While);
+                let tail = self.pass_all(said.end, self.tokens.len());
+                found.push(top.then(said, |_, _| ()).then(tail, |(), ()| meaning).plus(4));
+            }
+        }
         for (_, noun) in self.mentions.iter().take(4) {
             for gated in self.gated(gate, noun) {
                 let next = self.skip(gated.end, ", that is when i want|, that is when i want to see|, that is when i need|, that is when|, i want|, show me|, find|,");

@@ -225,7 +225,8 @@ fn with_edges(words: Vec<String>) -> Vec<String> {
     while at < words.len() {
         // "During the part of the clip where", "at the times it".
         let link = skip(" but only just ", at);
-        if is_in(" at during in for throughout over from through within ", link) {
+        let is_bare = is_in(" the those these ", link) && (at == 0 || is_in(" me see want find of ", at.wrapping_sub(1)) || words.get(at.wrapping_sub(1)).is_some_and(|word| word == ","));
+        if is_bare || is_in(" at during in for throughout over from through within ", link) {
             let noun = skip(" right just only the those these all of whole entire very that few ", link + 1);
             if is_in(" time times moment moments part parts stretch period bit span interval seconds frames phase section portion stage instant while point length duration window ", noun) {
                 let mut end = noun + 1;
@@ -233,8 +234,9 @@ fn with_edges(words: Vec<String>) -> Vec<String> {
                     end = skip(" of the clip video scene film footage recording ", end);
                 }
                 let tail = skip(" when while that where in which during for ", end);
-                let is_gate = tail > end && !is_in(" the ", end) || is_in(" it she he they ", end);
+                let is_gate = tail > end || !is_bare && is_in(" it she he they ", end);
                 if is_gate {
+                    // "Show me the part where the cat walks."
                     found.push("while".to_owned());
                     at = tail;
                     continue;

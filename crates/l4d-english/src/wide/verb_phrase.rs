@@ -332,6 +332,12 @@ impl Wide<'_, '_> {
         if let Some(next) = self.phrase(at, "gets a|gets|receives a|receives|is given a|takes a|gets given a|got a|getting a|to get a|get a") {
             found.extend(self.given(next, noun));
         }
+        // "Gets its tea from the pot".
+        if let Some(from) = self.phrase(at, "gets its tea from|gets tea from|receives tea from|gets its drink from|gets a refill from|is given tea by|gets given tea by|receives its tea from|gets topped up from") {
+            for guess in self.parties(from) {
+                found.push(guess.map(|(by, _)| vec![Clause::Undergoes { verb: "pour_into".to_owned(), by }]));
+            }
+        }
         if let Some(next) = self.phrase(at, WEAR) {
             found.extend(self.run(next, noun, true));
             if let Some(no) = self.any_of(next, "no not") {
