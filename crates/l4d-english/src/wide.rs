@@ -44,7 +44,7 @@ mod price {
     /// A word that means something.
     pub(super) const CONTENT: u32 = 15;
     /// A word that turns the meaning round.
-    pub(super) const NEGATION: u32 = 40;
+    pub(super) const NEGATION: u32 = 120;
 }
 
 /// A reading of a text that is not exactly in the grammar.

@@ -171,7 +171,7 @@ impl Wide<'_, '_> {
             // "Picked up first by a hand".
             let order = match self.word(end) {
                 "first" | "@first" => Some(Order::First),
-                "last" | "@last" => Some(Order::Last),
+                "last" | "@last" | "second" => Some(Order::Last),
                 _ => None,
             };
             let end = if order.is_some() && self.any_of(end + 1, "by").is_some() { end + 1 } else { end };
@@ -218,6 +218,24 @@ impl Wide<'_, '_> {
                 such.article = Article::A;
             }
             found.push(guess.clone().map(|_| (self.party(&such), such.noun.clone(), is_no)));
+        }
+        cheapest(found)
+    }
+
+    /// "the blue ball is kicked", where what is spoken of is who does it.
+    pub(super) fn acted_by(&self, at: usize, subject: &str) -> Guesses<Vec<Clause>> {
+        let mut found = Vec::new();
+        for object in self.parties(at) {
+            let Some(next) = self.any_of(object.end, "is was gets got") else { continue };
+            let next = self.skip(next, "being|been");
+            let (party, noun) = &object.value;
+            for (form, doing) in data().doings_at(self.word(next)).filter(|(_, doing)| doing.takes_object) {
+                let words: Vec<String> = doing.before.iter().chain(&doing.after).cloned().collect();
+                let Some(end) = self.after_words(next + 1, &words).filter(|_| form == Form::Participle) else { continue };
+                let Some((verb, misfit)) = self.verb(doing, Some(subject), Some(noun)) else { continue };
+                let clause = Clause::Does { verb, to: Some(party.clone()) };
+                found.push(object.clone().map(|_| vec![clause]).ending(end).plus(misfit + doing.cost));
+            }
         }
         cheapest(found)
     }

@@ -16,7 +16,7 @@ const PREPOSITIONS: [(Relation, &str); 9] = [
     (Relation::Touching, "touching|against|in contact with"),
     (Relation::Behind, "behind"),
     (Relation::Facing, "facing|looking at"),
-    (Relation::Between, "between"),
+    (Relation::Between, "between|amid"),
 ];
 /// What comparisons compare with.
 const RIVALS: &str = "any all the other others one ones of them rest every either two three four does do is are have more most everyone everybody else anyone \

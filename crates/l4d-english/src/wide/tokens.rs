@@ -233,6 +233,12 @@ fn with_edges(words: Vec<String>) -> Vec<String> {
                 if is_in(" of ", end) {
                     end = skip(" of the clip video scene film footage recording ", end);
                 }
+                // "At the time of its walk".
+                if is_in(" of ", noun + 1) && is_in(" its her his their ", noun + 2) {
+                    found.extend(["during".to_owned(), words[noun + 2].clone()]);
+                    at = noun + 3;
+                    continue;
+                }
                 let tail = skip(" when while that where in which during for ", end);
                 let is_gate = tail > end || !is_bare && is_in(" it she he they ", end);
                 if is_gate {

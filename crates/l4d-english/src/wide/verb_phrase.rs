@@ -17,7 +17,7 @@ const STARTS: &str = "starts out|starts off|starts|begins|started|began|start ou
     starting|beginning|begins its time|starts life";
 const ENDS: &str = "ends its trip|ends its drive|ends its journey|ends its run|ends its walk|finishes its trip|finishes its run|has ended up|has come to lie|has come to rest|has come to stand|has finished|has finished up|ends up|winds up|finishes up|finishes|finishes off|ends|comes to rest|comes to a rest|settles|lands up|ended up|finished|end up|wind up|finish|winding up|\
     ending up|finishing|finishing up|ending|ends the clip|finishes the clip|comes to a stop|is left|wound up|turns out|comes to stand|comes to lie|arrives|gets to";
-const ASPECTS: &str = "comes and|comes over and|goes over and|goes up and|walks up and|walks over and|starts by|begins by|starts off by|spends|spend|spends its time|spends her time|spends his time|spends the clip|spends time|go and|come and|goes off and|gets round to|gets around to|happen to|happens to be|gets to be|get to be|starts to|starts|begins to|begins|begin|begin to|start|start to|starting to|starting|keeps on|keeps|goes on to|goes on|goes and|gets to|goes|proceeds to|manages to|\
+const ASPECTS: &str = "get to|comes and|comes over and|goes over and|goes up and|walks up and|walks over and|starts by|begins by|starts off by|spends|spend|spends its time|spends her time|spends his time|spends the clip|spends time|go and|come and|goes off and|gets round to|gets around to|happen to|happens to be|gets to be|get to be|starts to|starts|begins to|begins|begin|begin to|start|start to|starting to|starting|keeps on|keeps|goes on to|goes on|goes and|gets to|goes|proceeds to|manages to|\
     sets about|sets off|is seen|can be seen|is busy|is shown|continues to|comes|decides to|gets down to|ends up|happens to|has to|would|can|does|do|did|will|is about to|breaks into|\
     gets itself|takes to|sets to|goes ahead and|is caught|is found|gets up and|goes to";
 const POSTURES: &str = "stands|sits|lies|rests|stand|sit|lie|rest|standing|sitting|lying|resting|stood|sat|lay|hangs|hanging|is placed|is located|is put|placed|located|put|\
@@ -110,6 +110,12 @@ impl Wide<'_, '_> {
         if let Some(next) = self.phrase(at, "for which the|for which|of which the|of which|around whose|on whose|in whose|round whose|at whose|with its|with his|with her|with their|, its|, his|, her|, their|and its|and his|and her") {
             found.extend(self.whose(next, noun).into_iter().map(|guess| guess.plus(2)));
         }
+        // "By whom the ball is kicked".
+        if let Some(next) = self.phrase(at, "by which|by that") {
+            for acted in self.acted_by(next, noun) {
+                found.push(acted);
+            }
+        }
         found.extend(self.described_by(at, noun));
         found.extend(self.relation(at));
         found.extend(self.extreme(at));
@@ -121,6 +127,12 @@ impl Wide<'_, '_> {
             found.extend(self.event(at, &[Form::Third], Some(noun), true).into_iter().map(single));
         }
         if let Some(next) = self.any_of(at, "without") {
+            // "Without a basket in her hands".
+            for guess in self.parties(next) {
+                let Some(end) = self.phrase(guess.end, "in her hands|in his hands|in their hands|in hand|in her hand|in his hand|in hands|in their hand") else { continue };
+                let hold = |(party, _)| vec![negated(Clause::Does { verb: "hold".to_owned(), to: Some(party) })];
+                found.push(guess.map(hold).ending(end));
+            }
             let next = self.skip(next, "ever|once|being");
             found.extend(self.event(next, &[Form::Ing], Some(noun), true).into_iter().map(single).map(not));
             found.extend(self.passive(next, noun).into_iter().map(single).map(not));
@@ -186,7 +198,7 @@ impl Wide<'_, '_> {
                         continue;
                     }
                     // "And" alone orders nothing.
-                    let is_marked = !is_and || matches!(self.word(two.end), "@then" | "@last" | "@end");
+                    let is_marked = !is_and || matches!(self.word(two.end), "@then" | "@last" | "@end" | "later" | "second" | "next");
                     if !is_marked {
                         continue;
                     }
@@ -225,7 +237,7 @@ impl Wide<'_, '_> {
     }
 
     /// "before all of the other cats do": an order among the like.
-    fn rivals(&self, at: usize, noun: &str) -> Option<(Order, usize)> {
+    pub(super) fn rivals(&self, at: usize, noun: &str) -> Option<(Order, usize)> {
         let (order, start) = match self.phrase(at, "before|ahead of|sooner than|earlier than|prior to") {
             Some(start) => (Order::First, start),
             None => (Order::Last, self.phrase(at, "after|later than|behind")?),
@@ -342,6 +354,20 @@ impl Wide<'_, '_> {
             found.extend(self.run(next, noun, true));
             if let Some(no) = self.any_of(next, "no not") {
                 found.extend(self.lacking(no, noun));
+            }
+        }
+        // "After driving for a bit, waits": the one and then the other.
+        if let Some(next) = self.phrase(at, ", after having|after having|, having|having|, after|after|, once done|once done") {
+            for one in self.event(next, &[Form::Ing, Form::Participle], Some(noun), true) {
+                let later = self.skip(one.end, ",|it|, it|she|he");
+                for two in self.one_verb(later, noun) {
+                    let [second] = &two.value[..] else { continue };
+                    if is_event(second) && is_event(&one.value) && one.value != *second {
+                        let steps = [one.value.clone(), second.clone()];
+                        let end = self.skip(two.end, "@then|later");
+                        found.push(one.then(two.clone(), |_, _| vec![Clause::Then(Box::new(steps))]).ending(end));
+                    }
+                }
             }
         }
         for (edge, phrases) in [(Edge::Start, STARTS), (Edge::End, ENDS)] {
