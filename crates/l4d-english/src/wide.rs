@@ -44,7 +44,7 @@ mod price {
     /// A word that means something.
     pub(super) const CONTENT: u32 = 15;
     /// A word that turns the meaning round.
-    pub(super) const NEGATION: u32 = 40;
+    pub(super) const NEGATION: u32 = 120;
 }
 
 /// A reading of a text that is not exactly in the grammar.
@@ -230,6 +230,16 @@ fn without_repeats(predicate: Predicate) -> Predicate {
             clauses.push(clause);
         }
     }
+    // "Black, all others being white": the first is said of it.
+    let mut keys: Vec<String> = Vec::new();
+    clauses.retain(|clause| match clause {
+        Clause::Attribute { key, .. } => {
+            let is_new = !keys.contains(key);
+            keys.push(key.clone());
+            is_new
+        }
+        _ => true,
+    });
     // "Nudges" says no more than "nudges a ball".
     let is_less = |clause: &Clause| match clause {
         Clause::Does { verb, to: None } => {

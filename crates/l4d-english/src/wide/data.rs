@@ -287,8 +287,8 @@ fn clip_edges() -> Vec<(String, &'static str)> {
     let things = ["clip", "video", "scene", "film", "footage", "action", "recording", "sequence", "movie", "animation", "shot"];
     for thing in things {
         for (verbs, to) in [
-            (&["starts", "begins", "opens", "kicks off", "starts out", "starts up"][..], "@start"),
-            (&["ends", "finishes", "stops", "is over", "closes", "is done", "comes to an end", "has ended", "runs out"], "@end"),
+            (&["starts", "begins", "opens", "kicks off", "starts out", "starts up", "began", "started", "opened", "gets going", "gets under way"][..], "@start"),
+            (&["ends", "finishes", "stops", "is over", "closes", "is done", "comes to an end", "has ended", "runs out", "ended", "finished", "was over"], "@end"),
         ] {
             for verb in verbs {
                 for link in ["when", "as", "once", "just as", "right as", "right when", "by the time", "just when", "at the moment"] {
@@ -321,27 +321,18 @@ fn clip_edges() -> Vec<(String, &'static str)> {
             }
         }
     }
-    found.extend(gates());
+    for thing in ["everything", "it all", "it", "things", "all this"] {
+        for link in ["when", "as", "once", "just as", "right when", "just when"] {
+            for verb in ["begins", "starts", "began", "started", "gets going", "kicks off"] {
+                found.push((format!("{link} {thing} {verb}"), "@start"));
+            }
+        }
+    }
     found.extend(faces());
     for link in ["once", "when", "after", "by the time", "as soon as"] {
         for thing in ["everything", "it all", "all", "it", "things", "the motion", "the movement", "everyone", "everybody", "all the motion", "all motion"] {
             for verb in ["has stopped", "has settled", "has finished", "has ended", "has come to rest", "is done", "have stopped", "have settled", "have finished", "settles", "settles down", "comes to rest", "has settled down", "is finished", "is stopped", "is settled", "is at rest", "comes to a stop", "comes to an end", "ends", "stops", "is over", "stops moving", "has stopped moving", "is still"] {
                 found.push((format!("{link} {thing} {verb}"), "@end"));
-            }
-        }
-    }
-    found
-}
-
-/// "at those times when", "during the part where": what begins a gate.
-fn gates() -> Vec<(String, &'static str)> {
-    let mut found = Vec::new();
-    for link in ["at", "during", "in", "for", "only at", "only during", "just during", "only for", "just for", "but only during", "but only for", "but only at", "over", "only in", "throughout", "from", "right at", "starting from"] {
-        for article in ["the", "those", "these", "all the", "that", "the only", "all of the"] {
-            for noun in ["time", "times", "moment", "moments", "part", "parts", "stretch", "period", "bit", "span", "interval", "seconds", "frames", "phase", "section", "portion", "stage", "instant", "while"] {
-                for tail in ["when", "while", "that", "where", "in which", "during which"] {
-                    found.push((format!("{link} {article} {noun} {tail}"), "@while"));
-                }
             }
         }
     }
@@ -363,6 +354,12 @@ fn faces() -> Vec<(String, &'static str)> {
                 }
                 found.push((format!("whose {part} is {verb} {to}"), "that is facing"));
                 found.push((format!("whose {part} are {verb} {to}"), "that is facing"));
+            }
+            if to.starts_with("toward") || to == "to" {
+                for owner in ["its", "his", "her", "their"] {
+                    found.push((format!("with {owner} {part} {to}"), "facing"));
+                    found.push((format!("has {owner} {part} {to}"), "is facing"));
+                }
             }
             for verb in ["points", "faces", "looks", "point", "is"] {
                 found.push((format!("whose {part} {verb} {to}"), "that is facing"));

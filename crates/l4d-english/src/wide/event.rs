@@ -14,7 +14,7 @@ const WITHIN: &str = "a an the its his her their some any little good quick big 
 /// Particles that may go before or after an object.
 const PARTICLES: [&str; 9] = ["up", "down", "over", "off", "out", "away", "along", "around", "open"];
 /// Adverbs and the like after a verb.
-const TRAILING: &str = "away|off|along|around|about|up|down|out|over|past|by hand|with one hand|with both hands|with its nose|with its paw|with a paw|with her foot|\
+const TRAILING: &str = "away|off|along|around|about|up|down|out|over|past|by hand|with one hand|with both hands|it|anything|them|with its nose|with its paw|with its snout|with its muzzle|with its head|with a hand|with one paw|with its foot|with a nose|with a paw|with her foot|\
     with his foot|with its foot|with a foot|with her hand|with his hand|on its own|through the air|across the table|across the floor|on the ground|on the floor|\
     on the table|off the table|off the ground|off the floor|from the table|from the floor|from the ground|to the ground|to the floor|to the table|\
     with its beak|in the air|on foot|into the road|into the street|round|with her hands|with his hands|with its nose first|back|back down|forward|forwards|\
@@ -171,7 +171,7 @@ impl Wide<'_, '_> {
             // "Picked up first by a hand".
             let order = match self.word(end) {
                 "first" | "@first" => Some(Order::First),
-                "last" | "@last" => Some(Order::Last),
+                "last" | "@last" | "second" => Some(Order::Last),
                 _ => None,
             };
             let end = if order.is_some() && self.any_of(end + 1, "by").is_some() { end + 1 } else { end };
@@ -218,6 +218,24 @@ impl Wide<'_, '_> {
                 such.article = Article::A;
             }
             found.push(guess.clone().map(|_| (self.party(&such), such.noun.clone(), is_no)));
+        }
+        cheapest(found)
+    }
+
+    /// "the blue ball is kicked", where what is spoken of is who does it.
+    pub(super) fn acted_by(&self, at: usize, subject: &str) -> Guesses<Vec<Clause>> {
+        let mut found = Vec::new();
+        for object in self.parties(at) {
+            let Some(next) = self.any_of(object.end, "is was gets got") else { continue };
+            let next = self.skip(next, "being|been");
+            let (party, noun) = &object.value;
+            for (form, doing) in data().doings_at(self.word(next)).filter(|(_, doing)| doing.takes_object) {
+                let words: Vec<String> = doing.before.iter().chain(&doing.after).cloned().collect();
+                let Some(end) = self.after_words(next + 1, &words).filter(|_| form == Form::Participle) else { continue };
+                let Some((verb, misfit)) = self.verb(doing, Some(subject), Some(noun)) else { continue };
+                let clause = Clause::Does { verb, to: Some(party.clone()) };
+                found.push(object.clone().map(|_| vec![clause]).ending(end).plus(misfit + doing.cost));
+            }
         }
         cheapest(found)
     }

@@ -215,6 +215,10 @@ impl Wide<'_, '_> {
             if let Some(end) = self.any_of(at, "first") {
                 with(&|before| before.order = Some(Order::First), end, 0);
             }
+            // Of two, the second is the last.
+            if let Some(end) = self.any_of(at, "second") {
+                with(&|before| before.order = Some(Order::Last), end, 4);
+            }
             if let Some(end) = self.any_of(at, "last") {
                 with(&|before| before.order = Some(Order::Last), end, 0);
             }

@@ -16,14 +16,14 @@ const PREPOSITIONS: [(Relation, &str); 9] = [
     (Relation::Touching, "touching|against|in contact with"),
     (Relation::Behind, "behind"),
     (Relation::Facing, "facing|looking at"),
-    (Relation::Between, "between"),
+    (Relation::Between, "between|amid"),
 ];
 /// What comparisons compare with.
 const RIVALS: &str = "any all the other others one ones of them rest every either two three four does do is are have more most everyone everybody else anyone \
-    anybody these those both pair set bunch group lot whole entire same its his her their others' that @all a";
+    anybody these those both pair set bunch group lot whole entire same its his her their others' that @all a neighbour neighbours companion companions mates fellows";
 const ON_ONE_SIDE: &str = "on one side of it|on its one side|to one side of it|on one side|to one side|on the one side|at one side|over on one side";
 const ON_THE_OTHER: &str = "on the other side of it|on the other side|on the other|over on the other|over on the other side|to the other side|to the other|\
-    on its other side|at the other|on the opposite side|on the far side";
+    on its other side|on its other|over on its other side|at the other|on the opposite side|on the far side";
 /// Words before a relation that say nothing more.
 const LEADING: &str = "right|up|over|down|out|standing|sitting|lying|located|placed|situated|positioned|parked|positioned in the middle|positioned|resting|being|found|seen|left|\
     close|straight|there|off|back|away|hanging|somewhere|along|squarely|perched|set|put|kept|still|staying|remaining|that bit";

@@ -2,9 +2,9 @@
 
 use l4d_query::{Clause, Superlative};
 
-use super::Wide;
 use super::data::data;
 use super::guess::{Guess, Guesses, cheapest};
+use super::{Wide, price};
 use crate::lexicon::{Way, Wording, is_article, lexicon};
 
 /// A piece of what is said of a thing.
@@ -178,14 +178,20 @@ impl Wide<'_, '_> {
                     }
                     pending.push(values);
                 }
+                // "Its roof is painted black": the roof.
+                Item::Part(keys) if part_is_bare && keys.contains(&"colour".to_owned()) => {}
                 Item::Part(keys) => {
                     part_is_bare = pending.is_empty();
                     for values in std::mem::take(&mut pending) {
                         let with_part = self.fitting(noun, values, Some(keys), is_worn);
                         let alone = || self.fitting(noun, values, None, is_worn).map(|(clause, misfit)| (clause, misfit + 6));
-                        let (clause, misfit) = with_part.or_else(alone)?;
-                        add(clause, is_not);
-                        cost += misfit;
+                        match with_part.or_else(alone) {
+                            Some((clause, misfit)) => {
+                                add(clause, is_not);
+                                cost += misfit;
+                            }
+                            None => cost += price::CONTENT,
+                        }
                     }
                     part = Some(keys);
                 }
@@ -193,17 +199,21 @@ impl Wide<'_, '_> {
         }
         for values in pending {
             let with_part = part.filter(|_| part_is_bare).and_then(|keys| self.fitting(noun, values, Some(keys), is_worn));
-            let (clause, misfit) = with_part.or_else(|| self.fitting(noun, values, None, is_worn))?;
-            add(clause, is_not);
-            cost += misfit;
-            part_is_bare = false;
+            match with_part.or_else(|| self.fitting(noun, values, None, is_worn)) {
+                Some((clause, misfit)) => {
+                    add(clause, is_not);
+                    cost += misfit;
+                    part_is_bare = false;
+                }
+                None => cost += price::CONTENT,
+            }
         }
         if part_is_bare && clauses.is_empty() {
             let (clause, misfit) = self.having(noun, part?)?;
             clauses.push(if is_not { super::negated(clause) } else { clause });
             cost += misfit;
         }
-        Some((clauses, cost))
+        (items.is_empty() || !clauses.is_empty()).then_some((clauses, cost))
     }
 
     /// That it has such a part at all.
@@ -216,7 +226,8 @@ impl Wide<'_, '_> {
                 return Some((attribute("yes"), 0));
             }
             for none in ["none", "no", "plain", "bare"] {
-                if has(none) {
+                let is_such = !matches!(none, "plain" | "bare") || keys.first() == Some(key) && key == "pattern" && keys.len() <= 2;
+                if has(none) && is_such {
                     return Some((super::negated(attribute(none)), 0));
                 }
             }
@@ -275,7 +286,7 @@ impl Wide<'_, '_> {
                 continue;
             }
             let is_usual = own.iter().any(|(key, _)| *key == wording.key);
-            let cost = cost + rank.min(&5) + if is_usual { 5 } else { 10 };
+            let cost = cost + rank.min(&5) + if is_usual { 5 } else { 18 };
             if best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 best = Some((cost, Clause::Attribute { key: wording.key.clone(), value: wording.value.clone() }));
             }

@@ -37,6 +37,7 @@ impl Wide<'_, '_> {
         if let Some(gate) = self.gate(start) {
             self.gated_first(gate, &mut found);
         }
+        self.rivals_first(start, &mut found);
         self.inverted(start, edge, &mut found);
         self.no_other(start, &mut found);
         // "No teapot pours into this cup."
@@ -53,6 +54,11 @@ impl Wide<'_, '_> {
             let is_denial = begin > inner && matches!(self.word(begin - 1), "no" | "not" | "never" | "nobody" | "without" | "neither");
             if passed.cost > 60 || is_denial {
                 break;
+            }
+            // What is named first is mostly what is meant.
+            for (place, _) in self.mentions.iter().filter(|(place, noun)| *place >= inner && *place < begin && self.words.is_object(noun)) {
+                let is_apart = self.tokens[*place..begin].iter().any(|word| word == ",");
+                passed.cost += if is_apart { 5 } else { 14 };
             }
             let tops = self.described(begin, true);
             for top in tops.iter().filter(|top| top.value.article != Article::No) {
@@ -104,7 +110,12 @@ impl Wide<'_, '_> {
         }
         let spoken = Described { article: Article::The, noun: noun.clone(), clauses: Vec::new(), is_plural: false };
         let wide = Wide::new(request, self.words, Some(spoken));
-        let seconds = wide.single_sentence(0).into_iter().filter(|guess| guess.value.0.0.len() > 1).take(3);
+        // "Next to it" speaks of more than the noun.
+        let is_vague = |predicate: &Predicate| {
+            predicate.parties().into_iter().any(|party| matches!(party, Party::Such(such) if such.0.len() == 1))
+        };
+        let is_whole = |guess: &Guess<Meaning>| guess.value.0.0.len() > 1 && !is_vague(&guess.value.0);
+        let seconds = wide.single_sentence(0).into_iter().filter(is_whole).take(3);
         found.extend(seconds.map(|second| Guess { cost: second.cost + 6, skipped: 0, ..second }));
     }
 
@@ -125,7 +136,7 @@ impl Wide<'_, '_> {
             let again = "it does so|she does so|he does so|they do so|it does it|she does it|he does it|they do it|it does|she does|he does|it is|she is|he is|they are|doing so|doing it|\
                 doing that|it happens|this happens|that happens|that is happening|it is doing so|she is doing so|he is doing so|it is doing it|it is doing that|she is doing it|\
                 she is doing that|he is doing it|he is doing that|it is at it|it lasts|that lasts|this lasts|it goes on|that goes on|it is happening|this is happening|it holds|that holds|that is so|\
-                it is so|it does that|she does that|he does that|being so|it is there|that is the case|this is the case|it is true|they last";
+                it is so|it does that|she does that|he does that|being so|it is there|that is the case|this is the case|it is true|they last|it has it|he has it|she has it|it has one|he makes it|she makes it|that is going on|it is going on";
             if let Some(end) = self.phrase(gate, again)
                 && !such.clauses.is_empty()
             {
@@ -146,8 +157,8 @@ impl Wide<'_, '_> {
     /// The place after a word that begins a gate.
     fn gate(&self, at: usize) -> Option<usize> {
         let start = self.skip(at, "but only|but just|only|just|but");
-        let mut next = self.any_of(start, "@while when as until once during throughout mid")?;
-        let is_noun = matches!(self.word(start), "during" | "throughout" | "mid");
+        let mut next = self.any_of(start, "@while when as until once during throughout mid amid")?;
+        let is_noun = matches!(self.word(start), "during" | "throughout" | "mid" | "amid");
         while let Some(after) = self.any_of(next, if is_noun { "its her his their the a this that act of whole" } else { "@while when as just only but" }) {
             next = after;
         }
@@ -167,6 +178,11 @@ impl Wide<'_, '_> {
         found.extend(self.verb_phrase(at, noun));
         found.extend(self.complement(at, noun));
         found.extend(self.done_by(at, noun));
+        // "During its walk".
+        if self.any_of(at.wrapping_sub(1), "its her his their the that").is_some() {
+            let named = self.event(at, &[Form::Base], Some(noun), false).into_iter();
+            found.extend(named.map(|guess| guess.map(|clause| vec![clause]).plus(2)));
+        }
         // "While it has hold of it and is turning it": more of the same.
         let mut all = found.clone();
         for one in found {
@@ -181,9 +197,19 @@ impl Wide<'_, '_> {
 
     /// "While it is flying, the duck."
     fn gated_first(&self, gate: usize, found: &mut Vec<Guess<Meaning>>) {
+        // "When the cat walks": nothing else is described.
+        for top in self.described(gate, false).iter().filter(|top| self.words.is_object(&top.value.noun)) {
+            let noun = &top.value.noun;
+            for said in self.verb_phrase(top.end, noun) {
+                let clauses = top.value.predicate().0.into_iter().chain(said.value.clone());
+                let meaning = (Predicate(clauses.collect()), Temporal::While);
+                let tail = self.pass_all(said.end, self.tokens.len());
+                found.push(top.then(said, |_, _| ()).then(tail, |(), ()| meaning).plus(4));
+            }
+        }
         for (_, noun) in self.mentions.iter().take(4) {
             for gated in self.gated(gate, noun) {
-                let next = self.skip(gated.end, ",");
+                let next = self.skip(gated.end, ", that is when i want|, that is when i want to see|, that is when i need|, that is when|, i want|, show me|, find|,");
                 for top in self.described(next, true).iter().filter(|top| top.value.noun == *noun) {
                     let clauses = top.value.predicate().0.into_iter().chain(gated.value.clone());
                     let meaning = (Predicate(clauses.collect()), Temporal::While);
@@ -194,12 +220,27 @@ impl Wide<'_, '_> {
         }
     }
 
+    /// "Before any of the other men, this one drinks."
+    fn rivals_first(&self, at: usize, found: &mut Vec<Guess<Meaning>>) {
+        let Some((_, noun)) = self.mentions.first() else { return };
+        let Some((order, end)) = self.rivals(at, noun) else { return };
+        let next = self.skip(end, ",");
+        for top in self.described(next, true).iter().filter(|top| top.value.noun == *noun) {
+            let Some(clauses) = order.of(top.value.clauses.clone()) else { continue };
+            let all = std::iter::once(Clause::Category(noun.clone())).chain(clauses);
+            let meaning = (Predicate(all.collect()), Temporal::Whole);
+            let tail = self.pass_all(top.end, self.tokens.len());
+            found.push(top.then(tail, |_, ()| meaning).plus(2));
+        }
+    }
+
     /// "Touching a hand, that pen": what is said goes before what it is said of.
     fn inverted(&self, at: usize, edge: Option<Edge>, found: &mut Vec<Guess<Meaning>>) {
         let at = self.skip(at, "it is|it|she is|she|he is|he|they are|they");
         for (place, noun) in self.mentions.iter().filter(|(place, _)| *place > at + 1) {
             for said in [self.complement(at, noun), self.verb_phrase(at, noun)].concat() {
-                let Some(next) = self.any_of(said.end, ",").filter(|next| next <= place) else { continue };
+                // "Next to that pot is the pot I want."
+                let Some(next) = self.phrase(said.end, ",|is|are|, and that is|there is|, there is|stands|lies|sits|, that is").filter(|next| next <= place) else { continue };
                 for top in self.described(next, true).iter().filter(|top| top.value.noun == *noun) {
                     let clauses = match edge {
                         Some(edge) => edge.of(said.value.clone()),
@@ -309,7 +350,22 @@ impl Wide<'_, '_> {
                 }
                 let by = self.party(&subject_);
                 let clause = Clause::Undergoes { verb: verb.clone(), by };
-                let clauses = vec![if is_not { super::negated(clause) } else { clause }];
+                let clause = if is_not { super::negated(clause) } else { clause };
+                let (clauses, end) = match self.rivals(event.end, noun) {
+                    Some((order, end)) => (order.of(vec![clause.clone()]).unwrap_or_else(|| vec![clause]), end),
+                    None => (vec![clause], event.end),
+                };
+                let such = Described { article: Article::The, noun: noun.clone(), clauses, is_plural: false };
+                let tail = self.pass_all(end, self.tokens.len());
+                found.push(subject.then(event.clone(), |_, _| ()).then(tail, |(), ()| such));
+            }
+        }
+        // "The ball gets kicked by a woman": the woman.
+        for subject in self.described(at, false).iter() {
+            let Some(next) = self.any_of(subject.end, "is gets was got") else { continue };
+            for event in self.passive(next, &subject.value.noun) {
+                let Clause::Undergoes { verb, by: Party::Category(noun) } = &event.value else { continue };
+                let clauses = vec![Clause::Does { verb: verb.clone(), to: Some(self.party(&subject.value)) }];
                 let such = Described { article: Article::The, noun: noun.clone(), clauses, is_plural: false };
                 let tail = self.pass_all(event.end, self.tokens.len());
                 found.push(subject.then(event.clone(), |_, _| ()).then(tail, |(), ()| such));

@@ -33,7 +33,7 @@ pub(super) fn plain(text: &str, preferred: &BTreeSet<String>) -> Plain {
     let mut repairs = Vec::new();
     let mut unknown = Vec::new();
     for word in &mut words {
-        if word == "," || word.contains('\'') || data().is_english(word) || word.chars().any(|letter| letter.is_ascii_digit()) {
+        if word == "," || word.ends_with("ly") || word.contains('\'') || data().is_english(word) || word.chars().any(|letter| letter.is_ascii_digit()) {
             continue;
         }
         match repaired(word, preferred) {
@@ -44,7 +44,10 @@ pub(super) fn plain(text: &str, preferred: &BTreeSet<String>) -> Plain {
             None => unknown.push(word.clone()),
         }
     }
-    Plain { words: without_contrast(rewritten(without_contrast(words))), repairs, unknown, length }
+    // How something is done is in no predicate.
+    let is_adverb = |word: &String| word.len() > 4 && word.ends_with("ly") && !data().is_known(word);
+    words.retain(|word| !is_adverb(word));
+    Plain { words: without_contrast(rewritten(without_contrast(with_edges(words)))), repairs, unknown, length }
 }
 
 /// Lower-case words and "," for every pause.
@@ -96,8 +99,8 @@ fn contract(word: &str, words: &mut Vec<String>) {
             return push(&[start, full]);
         }
     }
-    const SUBJECTS: [&str; 19] = [
-        "it", "that", "who", "he", "she", "there", "what", "which", "where", "one", "here", "this", "everything", "nothing", "how", "else", "other", "whichever", "whoever",
+    const SUBJECTS: [&str; 20] = [
+        "it", "that", "who", "he", "she", "there", "what", "which", "where", "one", "here", "this", "everything", "nothing", "how", "else", "other", "whichever", "whoever", "all",
     ];
     match word.strip_suffix("'s") {
         Some(start) if SUBJECTS.contains(&start) => push(&[start, "is"]),
@@ -170,8 +173,13 @@ fn rewritten(mut words: Vec<String>) -> Vec<String> {
                 at += if next == "got" { 2 } else { 1 };
                 continue;
             }
-            if words[at] == "'s" && next.ends_with("ing") {
+            if words[at] == "'s" && (next.ends_with("ing") || matches!(next, "the" | "a" | "not" | "on" | "in" | "first" | "last")) {
                 found.push("is".to_owned());
+                at += 1;
+                continue;
+            }
+            // "Does the cheering".
+            if matches!(words[at].as_str(), "doing" | "does") && (next.ends_with("ing") || matches!(next, "the" | "some") && words.get(at + 2).is_some_and(|word| word.ends_with("ing"))) {
                 at += 1;
                 continue;
             }
@@ -197,6 +205,84 @@ fn rewritten(mut words: Vec<String>) -> Vec<String> {
         words = found;
     }
     words
+}
+
+/// With "@start" and "@end" for what names an end of the clip: "when the recording gets going", "right at the very end".
+fn with_edges(words: Vec<String>) -> Vec<String> {
+    const CLIP: &str = " clip video scene film footage action recording sequence movie animation shot everything things camera all it story tape ";
+    const STARTS: &str = " start starts started begin begins began beginning open opens opening opened outset going underway rolling onset kicks commences starting ";
+    const ENDS: &str = " end ends ended finish finishes finished stop stops stopped close closes closing over done settles settled conclusion ending concludes finale rest wraps ";
+    let is_in = |list: &str, at: usize| words.get(at).is_some_and(|word| list.contains(&format!(" {word} ")));
+    let skip = |list: &str, mut at: usize| {
+        while is_in(list, at) {
+            at += 1;
+        }
+        at
+    };
+    let edge_at = |at: usize| if is_in(STARTS, at) { Some("@start") } else if is_in(ENDS, at) { Some("@end") } else { None };
+    let mut found = Vec::new();
+    let mut at = 0;
+    while at < words.len() {
+        // "During the part of the clip where", "at the times it".
+        let link = skip(" but only just ", at);
+        let is_bare = is_in(" the those these ", link) && (at == 0 || is_in(" me see want find of ", at.wrapping_sub(1)) || words.get(at.wrapping_sub(1)).is_some_and(|word| word == ","));
+        if is_bare || is_in(" at during in for throughout over from through within ", link) {
+            let noun = skip(" right just only the those these all of whole entire very that few ", link + 1);
+            if is_in(" time times moment moments part parts stretch period bit span interval seconds frames phase section portion stage instant while point length duration window ", noun) {
+                let mut end = noun + 1;
+                if is_in(" of ", end) {
+                    end = skip(" of the clip video scene film footage recording ", end);
+                }
+                // "At the time of its walk".
+                if is_in(" of ", noun + 1) && is_in(" its her his their ", noun + 2) {
+                    found.extend(["during".to_owned(), words[noun + 2].clone()]);
+                    at = noun + 3;
+                    continue;
+                }
+                let tail = skip(" when while that where in which during for ", end);
+                let is_gate = tail > end || !is_bare && is_in(" it she he they ", end);
+                if is_gate {
+                    // "Show me the part where the cat walks."
+                    found.push("while".to_owned());
+                    at = tail;
+                    continue;
+                }
+            }
+        }
+        // "When the clip gets going".
+        if is_in(" when as once while until till after before by ", at) {
+            let start = skip(" just right the time moment point very ", at + 1);
+            let thing = skip(" the this whole entire whole ", start);
+            if is_in(CLIP, thing) && (thing > start || !is_in(" it all ", thing) || is_in(" all ", thing + 1)) {
+                let verb = skip(" all this that has have is are s gets get comes come to a an up first just finally really 's been and coming an 'll will had ", thing + 1);
+                if let Some(edge) = edge_at(verb) {
+                    let end = skip(" up out off down moving playing happening rolling ", verb + 1);
+                    found.push(edge.to_owned());
+                    at = end;
+                    continue;
+                }
+            }
+        }
+        // "Right at the very start of the recording".
+        let link = skip(" right just only all already back even ", at);
+        if is_in(" at by in from toward towards near until till to for ", link) {
+            let noun = skip(" the very absolute actual its that a this total ", link + 1);
+            if noun > link + 1 && let Some(edge) = edge_at(noun).filter(|_| !is_in(" open opens close closes over done going rolling stop stops rest ", noun)) {
+                let of = skip(" of ", noun + 1);
+                let thing = skip(" the this all our ", of);
+                let is_of_clip = of > noun + 1 && is_in(CLIP, thing);
+                // "At the end of the table" is a place.
+                if of == noun + 1 || is_of_clip {
+                    found.push(edge.to_owned());
+                    at = if is_of_clip { skip(" all ", thing + 1) } else { of };
+                    continue;
+                }
+            }
+        }
+        found.push(words[at].clone());
+        at += 1;
+    }
+    found
 }
 
 /// Without what is said of others at the end: "rather than the green one", "since the rest are wide".

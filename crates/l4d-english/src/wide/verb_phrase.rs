@@ -17,7 +17,7 @@ const STARTS: &str = "starts out|starts off|starts|begins|started|began|start ou
     starting|beginning|begins its time|starts life";
 const ENDS: &str = "ends its trip|ends its drive|ends its journey|ends its run|ends its walk|finishes its trip|finishes its run|has ended up|has come to lie|has come to rest|has come to stand|has finished|has finished up|ends up|winds up|finishes up|finishes|finishes off|ends|comes to rest|comes to a rest|settles|lands up|ended up|finished|end up|wind up|finish|winding up|\
     ending up|finishing|finishing up|ending|ends the clip|finishes the clip|comes to a stop|is left|wound up|turns out|comes to stand|comes to lie|arrives|gets to";
-const ASPECTS: &str = "spends its time|spends her time|spends his time|spends the clip|spends time|go and|come and|goes off and|gets round to|gets around to|happen to|happens to be|gets to be|get to be|starts to|starts|begins to|begins|begin|begin to|start|start to|starting to|starting|keeps on|keeps|goes on to|goes on|goes and|gets to|goes|proceeds to|manages to|\
+const ASPECTS: &str = "get to|comes and|comes over and|goes over and|goes up and|walks up and|walks over and|starts by|begins by|starts off by|spends|spend|spends its time|spends her time|spends his time|spends the clip|spends time|go and|come and|goes off and|gets round to|gets around to|happen to|happens to be|gets to be|get to be|starts to|starts|begins to|begins|begin|begin to|start|start to|starting to|starting|keeps on|keeps|goes on to|goes on|goes and|gets to|goes|proceeds to|manages to|\
     sets about|sets off|is seen|can be seen|is busy|is shown|continues to|comes|decides to|gets down to|ends up|happens to|has to|would|can|does|do|did|will|is about to|breaks into|\
     gets itself|takes to|sets to|goes ahead and|is caught|is found|gets up and|goes to";
 const POSTURES: &str = "stands|sits|lies|rests|stand|sit|lie|rest|standing|sitting|lying|resting|stood|sat|lay|hangs|hanging|is placed|is located|is put|placed|located|put|\
@@ -94,12 +94,27 @@ impl Wide<'_, '_> {
             found.extend(self.verb_phrase(next, noun));
             found.extend(self.done_by(next, noun));
             found.extend(self.relation(next).into_iter().map(|guess| guess.plus(1)));
+            // "That, at the end, a hand touches".
+            let pause = self.skip(next, ",");
+            for (edge, word) in [(Edge::Start, "@start"), (Edge::End, "@end")] {
+                let Some(then) = self.any_of(pause, word) else { continue };
+                let then = self.skip(then, ",");
+                for guess in [self.done_by(then, noun), self.verb_phrase(then, noun)].concat() {
+                    found.extend(edge.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses)));
+                }
+            }
         }
         if let Some(next) = self.any_of(at, "whose 's") {
             found.extend(self.whose(next, noun));
         }
         if let Some(next) = self.phrase(at, "for which the|for which|of which the|of which|around whose|on whose|in whose|round whose|at whose|with its|with his|with her|with their|, its|, his|, her|, their|and its|and his|and her") {
             found.extend(self.whose(next, noun).into_iter().map(|guess| guess.plus(2)));
+        }
+        // "By whom the ball is kicked".
+        if let Some(next) = self.phrase(at, "by which|by that") {
+            for acted in self.acted_by(next, noun) {
+                found.push(acted);
+            }
         }
         found.extend(self.described_by(at, noun));
         found.extend(self.relation(at));
@@ -112,6 +127,12 @@ impl Wide<'_, '_> {
             found.extend(self.event(at, &[Form::Third], Some(noun), true).into_iter().map(single));
         }
         if let Some(next) = self.any_of(at, "without") {
+            // "Without a basket in her hands".
+            for guess in self.parties(next) {
+                let Some(end) = self.phrase(guess.end, "in her hands|in his hands|in their hands|in hand|in her hand|in his hand|in hands|in their hand") else { continue };
+                let hold = |(party, _)| vec![negated(Clause::Does { verb: "hold".to_owned(), to: Some(party) })];
+                found.push(guess.map(hold).ending(end));
+            }
             let next = self.skip(next, "ever|once|being");
             found.extend(self.event(next, &[Form::Ing], Some(noun), true).into_iter().map(single).map(not));
             found.extend(self.passive(next, noun).into_iter().map(single).map(not));
@@ -177,7 +198,7 @@ impl Wide<'_, '_> {
                         continue;
                     }
                     // "And" alone orders nothing.
-                    let is_marked = !is_and || matches!(self.word(two.end), "@then" | "@last" | "@end");
+                    let is_marked = !is_and || matches!(self.word(two.end), "@then" | "@last" | "@end" | "later" | "second" | "next");
                     if !is_marked {
                         continue;
                     }
@@ -202,7 +223,7 @@ impl Wide<'_, '_> {
             if let Some((order, end)) = self.rivals(at, noun) {
                 found.extend(order.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)));
             }
-            for (order, words) in [(Order::First, "@first|first|first of all"), (Order::Last, "@last|last|last of all|last of them all|the last|at last")] {
+            for (order, words) in [(Order::First, "@first|first|first of all"), (Order::Last, "@last|last|second|last of all|last of them all|the last|at last")] {
                 let Some(mut end) = self.phrase(at, words) else { continue };
                 // "First" before "then" begins a sequence.
                 if matches!(self.word(end), "@then" | "and") {
@@ -216,14 +237,14 @@ impl Wide<'_, '_> {
     }
 
     /// "before all of the other cats do": an order among the like.
-    fn rivals(&self, at: usize, noun: &str) -> Option<(Order, usize)> {
+    pub(super) fn rivals(&self, at: usize, noun: &str) -> Option<(Order, usize)> {
         let (order, start) = match self.phrase(at, "before|ahead of|sooner than|earlier than|prior to") {
             Some(start) => (Order::First, start),
             None => (Order::Last, self.phrase(at, "after|later than|behind")?),
         };
         let mut end = start;
         loop {
-            if let Some(next) = self.any_of(end, "any all every each the other others one ones of them rest two three four else everyone everybody anyone anybody either these those") {
+            if let Some(next) = self.any_of(end, "any all both every each the other others one ones of them rest two three four else everyone everybody anyone anybody either these those") {
                 end = next;
                 continue;
             }
@@ -323,14 +344,38 @@ impl Wide<'_, '_> {
         if let Some(next) = self.phrase(at, "gets a|gets|receives a|receives|is given a|takes a|gets given a|got a|getting a|to get a|get a") {
             found.extend(self.given(next, noun));
         }
+        // "Gets its tea from the pot".
+        if let Some(from) = self.phrase(at, "gets its tea from|gets tea from|receives tea from|gets its drink from|gets a refill from|is given tea by|gets given tea by|receives its tea from|gets topped up from") {
+            for guess in self.parties(from) {
+                found.push(guess.map(|(by, _)| vec![Clause::Undergoes { verb: "pour_into".to_owned(), by }]));
+            }
+        }
         if let Some(next) = self.phrase(at, WEAR) {
             found.extend(self.run(next, noun, true));
             if let Some(no) = self.any_of(next, "no not") {
                 found.extend(self.lacking(no, noun));
             }
         }
+        // "After driving for a bit, waits": the one and then the other.
+        if let Some(next) = self.phrase(at, ", after having|after having|, having|having|, after|after|, once done|once done") {
+            for one in self.event(next, &[Form::Ing, Form::Participle], Some(noun), true) {
+                let later = self.skip(one.end, ",|it|, it|she|he");
+                for two in self.one_verb(later, noun) {
+                    let [second] = &two.value[..] else { continue };
+                    if is_event(second) && is_event(&one.value) && one.value != *second {
+                        let steps = [one.value.clone(), second.clone()];
+                        let end = self.skip(two.end, "@then|later");
+                        found.push(one.then(two.clone(), |_, _| vec![Clause::Then(Box::new(steps))]).ending(end));
+                    }
+                }
+            }
+        }
         for (edge, phrases) in [(Edge::Start, STARTS), (Edge::End, ENDS)] {
             let Some(next) = self.phrase(at, phrases) else { continue };
+            // "Starts by kicking a ball" tells what comes first.
+            if self.word(next) == "by" && self.word(next + 1).ends_with("ing") {
+                continue;
+            }
             let next = self.skip(next, "by being|being|off|up|out|by|in a place|things|as|out as|off as|up as");
             // "Starts walking" is walking; "starts out walking" is at the start.
             let is_plain = matches!(edge, Edge::Start) && next == at + 1;
@@ -367,7 +412,7 @@ impl Wide<'_, '_> {
         let Some(next) = self.phrase(at, POSTURES) else { return Vec::new() };
         let next = self.skip(next, "off|up|out|there|right there|over");
         let does = ["stand", "sit", "lie", "rest"].iter().any(|verb| self.words.is_of_a_scene() && self.words.is_done_by(verb, noun));
-        let cost = if does { 7 } else { 0 };
+        let cost = if does { 2 } else { 0 };
         let mut found: Guesses<Vec<Clause>> = self.relation(next).into_iter().map(|guess| guess.plus(cost)).collect();
         found.extend(self.extreme(next).into_iter().map(|guess| guess.plus(cost)));
         // "Lying open".
@@ -432,7 +477,7 @@ impl Wide<'_, '_> {
         let start = self.skip(at, "the|the very");
         let order = match self.word(start) {
             "first" | "@first" => Order::First,
-            "last" | "@last" => Order::Last,
+            "last" | "@last" | "second" => Order::Last,
             _ => return Vec::new(),
         };
         let mut next = self.skip(start + 1, "one|ones");
@@ -466,6 +511,14 @@ impl Wide<'_, '_> {
         if let Some(to) = self.phrase(at, "distance to|distance from|distance to and from|gap to|separation from") {
             for guess in self.parties(to) {
                 let next = self.skip(guess.end, "is the|is|comes out the|comes out");
+                let more = match self.word(next) {
+                    "larger" | "greater" | "longer" | "bigger" | "farther" => Some(Relation::FarthestFrom),
+                    "smaller" | "closer" | "less" => Some(Relation::ClosestTo),
+                    _ => None,
+                };
+                if let (Some(kind), Some(end)) = (more, self.than_others(next + 1)) {
+                    found.push(guess.clone().map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }]).ending(end));
+                }
                 let kind = match self.word(next) {
                     "greatest" | "largest" | "longest" | "farthest" | "highest" | "most" | "maximal" => Relation::FarthestFrom,
                     "smallest" | "least" | "closest" | "lowest" | "minimal" => Relation::ClosestTo,
