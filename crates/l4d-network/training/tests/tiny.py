@@ -46,8 +46,8 @@ def main(out: Path) -> None:
     )
     network = Network(words, TinyEncoder(), Size((4, 5, 6, 7, 8), 16, 32))
     with torch.no_grad():
-        network.pixel.weight *= 4.0
-        network.pixel.bias.copy_(torch.tensor([0.2, 0.1, 0.0, 0.0]))
+        network.pixel.weight *= 6.0
+        network.pixel.bias.copy_(torch.tensor([0.3, 0.4, 0.0, 0.0]))
     export.write(network, out, {"data": "none: weights are drawn"})
 
 
