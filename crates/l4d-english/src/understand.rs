@@ -99,7 +99,15 @@ pub fn understand(text: &str, words: &Words<'_>) -> Result<Vec<Reading>, Unread>
     }
     found.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
     if found.is_empty() {
-        return Err(unclear(&inference.unknown, inference.readings.first(), words));
+        // What was taken for misspellings is not understood either.
+        let repaired = inference.repairs.iter().map(|(written, _)| written);
+        let mut strange: Vec<String> = Vec::new();
+        for word in inference.unknown.iter().chain(repaired) {
+            if !strange.contains(word) {
+                strange.push(word.clone());
+            }
+        }
+        return Err(unclear(&strange, inference.readings.first(), words));
     }
     Ok(found)
 }
@@ -108,18 +116,28 @@ pub fn understand(text: &str, words: &Words<'_>) -> Result<Vec<Reading>, Unread>
 fn is_believed(reading: &Inferred, length: usize) -> bool {
     let has_clauses = reading.predicate.0.len() > 1;
     let is_complete = reading.skipped.is_empty() && reading.cost < 40;
-    (has_clauses && reading.cost <= DEAREST && reading.skipped.len() * 2 <= length) || (!has_clauses && is_complete)
+    (has_clauses && reading.cost <= DEAREST && reading.skipped.len() * 2 <= length)
+        || (!has_clauses && is_complete)
 }
 
 fn unclear(unknown: &[String], nearest: Option<&Inferred>, words: &Words<'_>) -> Unread {
-    let nouns: Vec<String> =
-        words.categories().into_iter().filter(|category| words.is_object(category)).map(|category| category.replace('_', " ")).collect();
+    let nouns: Vec<String> = words
+        .categories()
+        .into_iter()
+        .filter(|category| words.is_object(category))
+        .map(|category| category.replace('_', " "))
+        .collect();
     let more = if nouns.len() > MOST_NOUNS { ", ..." } else { "" };
     let knows = format!("{}{more}", nouns.iter().take(MOST_NOUNS).cloned().collect::<Vec<_>>().join(", "));
-    let is_clause = |predicate: &Predicate| predicate.0.iter().any(|clause| !matches!(clause, Clause::Category(_)));
+    let is_clause =
+        |predicate: &Predicate| predicate.0.iter().any(|clause| !matches!(clause, Clause::Category(_)));
     // Only what has one answer is suggested.
-    let suggested = nearest.filter(|reading| is_clause(&reading.predicate) && words.has_one_answer(&reading.predicate, reading.temporal));
-    let nearest = suggested.and_then(|reading| crate::say::forms(&reading.predicate, reading.temporal, words).into_iter().next());
+    let suggested = nearest.filter(|reading| {
+        is_clause(&reading.predicate) && words.has_one_answer(&reading.predicate, reading.temporal)
+    });
+    let nearest = suggested.and_then(|reading| {
+        crate::say::forms(&reading.predicate, reading.temporal, words).into_iter().next()
+    });
     let words = unknown.iter().take(MOST_WORDS).cloned().collect();
     Unread::Unclear { words, knows, nearest }
 }

@@ -88,11 +88,16 @@ fn preferred(words: &Words<'_>) -> BTreeSet<String> {
     let split = |text: &str| text.split(['_', ' ']).map(str::to_owned).collect::<Vec<_>>();
     for category in words.categories() {
         found.extend(split(&category));
-        found.extend(words.properties(&category).iter().flat_map(|(key, value)| [split(key), split(value)].concat()));
+        found.extend(
+            words.properties(&category).iter().flat_map(|(key, value)| [split(key), split(value)].concat()),
+        );
     }
     found.extend(words.verbs().iter().flat_map(|verb| split(verb)));
     found
 }
+
+/// Guesses that have been made already.
+type Memory<K, T> = RefCell<HashMap<K, Rc<Guesses<T>>>>;
 
 /// A plain sentence being guessed at.
 struct Wide<'r, 'a> {
@@ -102,8 +107,8 @@ struct Wide<'r, 'a> {
     mentions: Vec<(usize, String)>,
     /// What an earlier sentence spoke of.
     before: Option<Described>,
-    phrases: RefCell<HashMap<(usize, bool), Rc<Guesses<Described>>>>,
-    rests: RefCell<HashMap<(usize, String, bool), Rc<Guesses<Vec<Clause>>>>>,
+    phrases: Memory<(usize, bool), Described>,
+    rests: Memory<(usize, String, bool), Vec<Clause>>,
     steps: Cell<u32>,
 }
 
@@ -138,7 +143,8 @@ impl<'r, 'a> Wide<'r, 'a> {
         for guess in self.sentences() {
             let (predicate, temporal) = guess.value;
             let predicate = canonical(&without_repeats(predicate));
-            let is_known = found.iter().any(|other| other.predicate == predicate && other.temporal == temporal);
+            let is_known =
+                found.iter().any(|other| other.predicate == predicate && other.temporal == temporal);
             if is_known || !is_sound(&predicate) {
                 continue;
             }
@@ -242,9 +248,9 @@ fn without_repeats(predicate: Predicate) -> Predicate {
     });
     // "Nudges" says no more than "nudges a ball".
     let is_less = |clause: &Clause| match clause {
-        Clause::Does { verb, to: None } => {
-            clauses.iter().any(|other| matches!(other, Clause::Does { verb: own, to: Some(_) } if own == verb))
-        }
+        Clause::Does { verb, to: None } => clauses
+            .iter()
+            .any(|other| matches!(other, Clause::Does { verb: own, to: Some(_) } if own == verb)),
         _ => false,
     };
     // "Sits before the others sit": the order says that it sits.

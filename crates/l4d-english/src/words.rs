@@ -212,9 +212,7 @@ impl<'a> Words<'a> {
             return if is_known { 0 } else { 40 };
         };
         let is_a = |name: &Name, category: Option<&str>| {
-            category.is_none_or(|wanted| {
-                world.instance(name).is_some_and(|found| found.category == wanted)
-            })
+            category.is_none_or(|wanted| world.instance(name).is_some_and(|found| found.category == wanted))
         };
         let mut least = 40;
         for event in world.events().filter(|event| event.verb == verb) {
@@ -236,7 +234,8 @@ impl<'a> Words<'a> {
         let world = self.world.as_ref()?;
         let category = |name: &Name| world.instance(name).map(|found| found.category.clone());
         let done = world.events().filter(|event| event.verb == verb);
-        let to_such = done.filter(|event| event.object.as_ref().and_then(category).is_some_and(|own| own == object));
+        let to_such =
+            done.filter(|event| event.object.as_ref().and_then(category).is_some_and(|own| own == object));
         to_such.filter_map(|event| category(&event.subject)).next().or_else(|| self.agent(verb))
     }
 

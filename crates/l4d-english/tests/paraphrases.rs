@@ -1,8 +1,6 @@
-//! Sentences that people wrote for the dev set without seeing the grammar: how many the reader understands.
+//! Other wordings of the queries of the dev set, written without regard to the grammar: how many the reader understands.
 //!
 //! Wordings 1 and 2 are there to develop with. Wording 3 is held out: it is counted here and never printed.
-#![expect(clippy::unwrap_used, reason = "a test that cannot read the dev set has failed")]
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -16,7 +14,7 @@ use serde::Deserialize;
 /// The wording that nothing is developed with.
 const HELD_OUT: u32 = 3;
 /// Percent with the same answer, at least.
-const FLOOR: [(&str, usize); 2] = [("seen", 0), ("held out", 0)];
+const FLOOR: [(&str, usize); 2] = [("seen", 97), ("held out", 76)];
 
 #[derive(Deserialize)]
 struct Paraphrase {
@@ -54,7 +52,8 @@ fn answer(world: &World<'_>, predicate: &Predicate, temporal: Temporal) -> Strin
 fn paraphrases() {
     let is_verbose = std::env::var_os("L4D_SHOW_PARAPHRASES").is_some();
     let mut counts: BTreeMap<(&str, String), Count> = BTreeMap::new();
-    let mut scenes: Vec<PathBuf> = std::fs::read_dir(dev().join("scenes")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let mut scenes: Vec<PathBuf> =
+        std::fs::read_dir(dev().join("scenes")).unwrap().map(|entry| entry.unwrap().path()).collect();
     scenes.sort();
     for path in scenes {
         let tracks: Tracks = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
@@ -72,24 +71,40 @@ fn paraphrases() {
             let Some(query) = queries.get(&paraphrase.of) else { continue };
             let meant = Predicate::from_json(query.predicate.as_ref().unwrap()).unwrap();
             let set = if paraphrase.wording == HELD_OUT { "held out" } else { "seen" };
-            let found = understand(&paraphrase.text, &words).ok().and_then(|readings| readings.into_iter().next());
-            let is_exact = |reading: &Reading| reading.temporal == query.temporal && reading.predicate == canonical(&meant);
+            let found =
+                understand(&paraphrase.text, &words).ok().and_then(|readings| readings.into_iter().next());
+            let is_exact = |reading: &Reading| {
+                reading.temporal == query.temporal && reading.predicate == canonical(&meant)
+            };
             let is_same = |reading: &Reading| {
                 reading.temporal == query.temporal
-                    && answer(&world, &reading.predicate, reading.temporal) == answer(&world, &meant, query.temporal)
+                    && answer(&world, &reading.predicate, reading.temporal)
+                        == answer(&world, &meant, query.temporal)
             };
             let (exact, same) = (found.as_ref().is_some_and(is_exact), found.as_ref().is_some_and(is_same));
-            let category = query.categories.iter().map(|category| format!("{category:?}").to_lowercase()).collect::<Vec<_>>().join("+");
+            let category = query
+                .categories
+                .iter()
+                .map(|category| format!("{category:?}").to_lowercase())
+                .collect::<Vec<_>>()
+                .join("+");
             for name in [category, "all".to_owned()] {
                 let count = counts.entry((set, name)).or_default();
                 count.all += 1;
                 count.read += usize::from(found.is_some());
                 count.exact += usize::from(exact);
                 count.same += usize::from(same);
-                count.sure_and_wrong += usize::from(!same && found.as_ref().is_some_and(|reading| reading.confidence > 0.5));
+                count.sure_and_wrong +=
+                    usize::from(!same && found.as_ref().is_some_and(|reading| reading.confidence > 0.5));
             }
             if is_verbose && set == "seen" && !same {
-                println!("{} {}\n    meant {} {:?}", query.id, paraphrase.text, canonical(&meant), query.temporal);
+                println!(
+                    "{} {}\n    meant {} {:?}",
+                    query.id,
+                    paraphrase.text,
+                    canonical(&meant),
+                    query.temporal
+                );
                 match &found {
                     Some(reading) => println!(
                         "    read  {} {:?} ({:.2}) skipped {:?}",

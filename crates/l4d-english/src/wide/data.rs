@@ -40,14 +40,20 @@ impl<T> Phrases<T> {
     /// What the words at the start may mean, and how many words that takes.
     pub(super) fn at<'p>(&'p self, words: &[String]) -> impl Iterator<Item = (&'p T, usize)> {
         let found = words.first().and_then(|word| self.0.get(word)).map_or(&[][..], Vec::as_slice);
-        found.iter().filter(|(phrase, _)| words.starts_with(phrase)).map(|(phrase, meaning)| (meaning, phrase.len()))
+        found
+            .iter()
+            .filter(|(phrase, _)| words.starts_with(phrase))
+            .map(|(phrase, meaning)| (meaning, phrase.len()))
     }
 
     /// The same, of the longest phrases alone.
     pub(super) fn longest<'p>(&'p self, words: &[String]) -> (Vec<&'p T>, usize) {
         let found: Vec<(&T, usize)> = self.at(words).collect();
         let length = found.iter().map(|(_, length)| *length).max().unwrap_or(0);
-        (found.into_iter().filter(|(_, other)| *other == length).map(|(meaning, _)| meaning).collect(), length)
+        (
+            found.into_iter().filter(|(_, other)| *other == length).map(|(meaning, _)| meaning).collect(),
+            length,
+        )
     }
 }
 
@@ -112,7 +118,8 @@ impl Data {
         let ends = ["s", "es", "ed", "d", "ing", "er", "ly", "est", "ness"];
         let stems = ends.iter().filter_map(|end| word.strip_suffix(end)).filter(|stem| stem.len() > 2);
         let is_inflected = |stem: &str| {
-            let doubled = stem.len() > 3 && stem.as_bytes()[stem.len() - 1] == stem.as_bytes()[stem.len() - 2];
+            let doubled =
+                stem.len() > 3 && stem.as_bytes()[stem.len() - 1] == stem.as_bytes()[stem.len() - 2];
             is_base(stem) || is_base(&format!("{stem}e")) || doubled && is_base(&stem[..stem.len() - 1])
         };
         self.is_known(word) || is_base(word) || stems.into_iter().any(is_inflected)
@@ -153,10 +160,20 @@ impl Data {
     }
 
     fn know(&mut self, words: &[String]) {
-        self.known.extend(words.iter().filter(|word| word.chars().all(|letter| letter.is_alphabetic() || letter == '-')).cloned());
+        self.known.extend(
+            words
+                .iter()
+                .filter(|word| word.chars().all(|letter| letter.is_alphabetic() || letter == '-'))
+                .cloned(),
+        );
     }
 
-    fn index_rewrites(&mut self, preambles: &[String], fillers: &[String], rewrites: &BTreeMap<String, String>) {
+    fn index_rewrites(
+        &mut self,
+        preambles: &[String],
+        fillers: &[String],
+        rewrites: &BTreeMap<String, String>,
+    ) {
         for text in preambles {
             self.preambles.insert(split(text), ());
         }
@@ -176,7 +193,10 @@ impl Data {
     fn index_nouns(&mut self, by_hand: &BTreeMap<String, Vec<String>>, near: &[Vec<String>]) {
         let mut meaning: BTreeMap<(String, bool), BTreeMap<String, u32>> = BTreeMap::new();
         let mut add = |text: &str, plural: Option<&str>, category: &str, distance: u32| {
-            let forms = [(text.to_owned(), false), (plural.map_or_else(|| inflect::plural(text), str::to_owned), true)];
+            let forms = [
+                (text.to_owned(), false),
+                (plural.map_or_else(|| inflect::plural(text), str::to_owned), true),
+            ];
             for form in forms {
                 let own = meaning.entry(form).or_default().entry(category.to_owned()).or_insert(distance);
                 *own = (*own).min(distance);
@@ -212,7 +232,11 @@ impl Data {
         }
     }
 
-    fn index_properties(&mut self, values: &BTreeMap<String, Vec<String>>, parts: BTreeMap<String, Vec<String>>) {
+    fn index_properties(
+        &mut self,
+        values: &BTreeMap<String, Vec<String>>,
+        parts: BTreeMap<String, Vec<String>>,
+    ) {
         let mut cues: BTreeMap<(String, String), u32> = BTreeMap::new();
         let mut add = |text: &str, value: &str, rank: u32| {
             let own = cues.entry((text.to_owned(), value.to_owned())).or_insert(rank);
@@ -261,8 +285,16 @@ impl Data {
         }
     }
 
-    fn index_verb(&mut self, head: &str, words: (Vec<String>, Vec<String>), takes_object: bool, verbs: Vec<String>, cost: u32) {
-        let plain = |words: Vec<String>| words.into_iter().filter(|word| !is_article(word)).collect::<Vec<_>>();
+    fn index_verb(
+        &mut self,
+        head: &str,
+        words: (Vec<String>, Vec<String>),
+        takes_object: bool,
+        verbs: Vec<String>,
+        cost: u32,
+    ) {
+        let plain =
+            |words: Vec<String>| words.into_iter().filter(|word| !is_article(word)).collect::<Vec<_>>();
         let (before, after) = (plain(words.0), plain(words.1));
         self.know(&before);
         self.know(&after);
@@ -284,14 +316,67 @@ const GRAMMAR: &str = "the that which who whose with without from next between c
 /// "when the clip starts", "by the end of the video", and what each is.
 fn clip_edges() -> Vec<(String, &'static str)> {
     let mut found = Vec::new();
-    let things = ["clip", "video", "scene", "film", "footage", "action", "recording", "sequence", "movie", "animation", "shot"];
+    let things = [
+        "clip",
+        "video",
+        "scene",
+        "film",
+        "footage",
+        "action",
+        "recording",
+        "sequence",
+        "movie",
+        "animation",
+        "shot",
+    ];
     for thing in things {
         for (verbs, to) in [
-            (&["starts", "begins", "opens", "kicks off", "starts out", "starts up", "began", "started", "opened", "gets going", "gets under way"][..], "@start"),
-            (&["ends", "finishes", "stops", "is over", "closes", "is done", "comes to an end", "has ended", "runs out", "ended", "finished", "was over"], "@end"),
+            (
+                &[
+                    "starts",
+                    "begins",
+                    "opens",
+                    "kicks off",
+                    "starts out",
+                    "starts up",
+                    "began",
+                    "started",
+                    "opened",
+                    "gets going",
+                    "gets under way",
+                ][..],
+                "@start",
+            ),
+            (
+                &[
+                    "ends",
+                    "finishes",
+                    "stops",
+                    "is over",
+                    "closes",
+                    "is done",
+                    "comes to an end",
+                    "has ended",
+                    "runs out",
+                    "ended",
+                    "finished",
+                    "was over",
+                ],
+                "@end",
+            ),
         ] {
             for verb in verbs {
-                for link in ["when", "as", "once", "just as", "right as", "right when", "by the time", "just when", "at the moment"] {
+                for link in [
+                    "when",
+                    "as",
+                    "once",
+                    "just as",
+                    "right as",
+                    "right when",
+                    "by the time",
+                    "just when",
+                    "at the moment",
+                ] {
                     found.push((format!("{link} the {thing} {verb}"), to));
                 }
             }
@@ -301,7 +386,17 @@ fn clip_edges() -> Vec<(String, &'static str)> {
             (&["end", "close", "finish", "ending", "conclusion"], "@end"),
         ] {
             for noun in nouns {
-                for link in ["at the", "by the", "in the", "from the", "at the very", "right at the", "by the very", "toward the", "near the"] {
+                for link in [
+                    "at the",
+                    "by the",
+                    "in the",
+                    "from the",
+                    "at the very",
+                    "right at the",
+                    "by the very",
+                    "toward the",
+                    "near the",
+                ] {
                     found.push((format!("{link} {noun} of the {thing}"), to));
                     for all in ["it all", "it", "everything", "all this", "things"] {
                         found.push((format!("{link} {noun} of {all}"), to));
@@ -312,9 +407,15 @@ fn clip_edges() -> Vec<(String, &'static str)> {
     }
     for link in ["in", "at", "during", "from", "by", "near", "toward", "for", "on", "within"] {
         for article in ["the", "its", "the very", "her", "his"] {
-            for (adjectives, to) in [(&["opening", "first", "initial", "starting"][..], "@start"), (&["final", "last", "closing", "ending", "concluding"], "@end")] {
+            for (adjectives, to) in [
+                (&["opening", "first", "initial", "starting"][..], "@start"),
+                (&["final", "last", "closing", "ending", "concluding"], "@end"),
+            ] {
                 for adjective in adjectives {
-                    for noun in ["moment", "moments", "frame", "frames", "second", "seconds", "instant", "shot", "part", "position", "stage", "bit", "place"] {
+                    for noun in [
+                        "moment", "moments", "frame", "frames", "second", "seconds", "instant", "shot",
+                        "part", "position", "stage", "bit", "place",
+                    ] {
                         found.push((format!("{link} {article} {adjective} {noun}"), to));
                     }
                 }
@@ -330,8 +431,46 @@ fn clip_edges() -> Vec<(String, &'static str)> {
     }
     found.extend(faces());
     for link in ["once", "when", "after", "by the time", "as soon as"] {
-        for thing in ["everything", "it all", "all", "it", "things", "the motion", "the movement", "everyone", "everybody", "all the motion", "all motion"] {
-            for verb in ["has stopped", "has settled", "has finished", "has ended", "has come to rest", "is done", "have stopped", "have settled", "have finished", "settles", "settles down", "comes to rest", "has settled down", "is finished", "is stopped", "is settled", "is at rest", "comes to a stop", "comes to an end", "ends", "stops", "is over", "stops moving", "has stopped moving", "is still"] {
+        for thing in [
+            "everything",
+            "it all",
+            "all",
+            "it",
+            "things",
+            "the motion",
+            "the movement",
+            "everyone",
+            "everybody",
+            "all the motion",
+            "all motion",
+        ] {
+            for verb in [
+                "has stopped",
+                "has settled",
+                "has finished",
+                "has ended",
+                "has come to rest",
+                "is done",
+                "have stopped",
+                "have settled",
+                "have finished",
+                "settles",
+                "settles down",
+                "comes to rest",
+                "has settled down",
+                "is finished",
+                "is stopped",
+                "is settled",
+                "is at rest",
+                "comes to a stop",
+                "comes to an end",
+                "ends",
+                "stops",
+                "is over",
+                "stops moving",
+                "has stopped moving",
+                "is still",
+            ] {
                 found.push((format!("{link} {thing} {verb}"), "@end"));
             }
         }
@@ -342,7 +481,24 @@ fn clip_edges() -> Vec<(String, &'static str)> {
 /// "with its nose turned towards", "has its front pointing at", "whose spout points at".
 fn faces() -> Vec<(String, &'static str)> {
     let mut found = Vec::new();
-    for part in ["front", "face", "nose", "spout", "head", "eyes", "body", "front end", "beak", "bonnet", "hood", "headlights", "bill", "snout", "muzzle", "front side"] {
+    for part in [
+        "front",
+        "face",
+        "nose",
+        "spout",
+        "head",
+        "eyes",
+        "body",
+        "front end",
+        "beak",
+        "bonnet",
+        "hood",
+        "headlights",
+        "bill",
+        "snout",
+        "muzzle",
+        "front side",
+    ] {
         for to in ["at", "to", "toward", "towards", "in the direction of", "on", "straight at"] {
             for verb in ["pointing", "pointed", "turned", "aimed", "directed", "facing", "looking", "fixed"] {
                 for owner in ["its", "his", "her", "their"] {

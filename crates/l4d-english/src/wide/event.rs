@@ -43,7 +43,13 @@ impl Wide<'_, '_> {
     }
 
     /// What the subject does: "lifts a cup", "goes for a stroll".
-    pub(super) fn event(&self, at: usize, forms: &[Form], subject: Option<&str>, with_object: bool) -> Guesses<Clause> {
+    pub(super) fn event(
+        &self,
+        at: usize,
+        forms: &[Form],
+        subject: Option<&str>,
+        with_object: bool,
+    ) -> Guesses<Clause> {
         let mut found = Vec::new();
         for (form, doing) in data().doings_at(self.word(at)) {
             if !forms.contains(&form) {
@@ -57,13 +63,19 @@ impl Wide<'_, '_> {
             };
             if !doing.takes_object {
                 let Some((verb, misfit)) = self.verb(doing, subject, None) else { continue };
-                found.push(Guess::new(Clause::Does { verb, to: None }, end, misfit + doing.cost + plain_price(doing)));
+                found.push(Guess::new(
+                    Clause::Does { verb, to: None },
+                    end,
+                    misfit + doing.cost + plain_price(doing),
+                ));
                 continue;
             }
             if !with_object {
                 continue;
             }
-            if let Some(end) = self.any_of(end, "something someone somebody anything anyone anybody").and_then(|end| self.after_words(end, &doing.after))
+            if let Some(end) = self
+                .any_of(end, "something someone somebody anything anyone anybody")
+                .and_then(|end| self.after_words(end, &doing.after))
                 && let Some((verb, misfit)) = self.verb(doing, subject, None)
             {
                 found.push(Guess::new(Clause::Does { verb, to: None }, end, misfit + 3));
@@ -90,7 +102,9 @@ impl Wide<'_, '_> {
 
     /// "puts the jug down": the particle after the object.
     fn parted(&self, at: usize, doing: &Doing, subject: Option<&str>, found: &mut Guesses<Clause>) {
-        let is_particle = doing.before.len() == 1 && PARTICLES.contains(&doing.before[0].as_str()) && doing.after.is_empty();
+        let is_particle = doing.before.len() == 1
+            && PARTICLES.contains(&doing.before[0].as_str())
+            && doing.after.is_empty();
         if !is_particle {
             return;
         }
@@ -106,18 +120,34 @@ impl Wide<'_, '_> {
 
     /// Objects of a verb; "no basket" says that it is not done.
     fn objects(&self, at: usize, subject: Option<&str>) -> Guesses<(Party, String, bool)> {
-        let mut found: Guesses<(Party, String, bool)> =
-            self.parties(at).into_iter().map(|guess| guess.map(|(party, noun)| (party, noun, false))).collect();
+        let mut found: Guesses<(Party, String, bool)> = self
+            .parties(at)
+            .into_iter()
+            .map(|guess| guess.map(|(party, noun)| (party, noun, false)))
+            .collect();
         // "Doesn't chase one": any of what was spoken of.
         if let Some(end) = self.any_of(at, "one them any") {
             let nouns = self.mentioned(at).into_iter();
-            found.extend(nouns.map(|(noun, cost)| Guess::new((Party::Category(noun.clone()), noun, false), end, cost + 3)));
+            found.extend(
+                nouns.map(|(noun, cost)| {
+                    Guess::new((Party::Category(noun.clone()), noun, false), end, cost + 3)
+                }),
+            );
         }
         // "Without putting it down": what was spoken of besides the subject.
         if let (Some(end), None) = (self.any_of(at, "it"), &self.before) {
-            let others = self.mentions.iter().rev().filter(|(place, noun)| *place < at && subject.is_some_and(|own| own != noun));
+            let others = self
+                .mentions
+                .iter()
+                .rev()
+                .filter(|(place, noun)| *place < at && subject.is_some_and(|own| own != noun));
             for (_, noun) in others.take(1) {
-                let such = Described { article: Article::The, noun: noun.clone(), clauses: Vec::new(), is_plural: false };
+                let such = Described {
+                    article: Article::The,
+                    noun: noun.clone(),
+                    clauses: Vec::new(),
+                    is_plural: false,
+                };
                 found.push(Guess::new((self.party(&such), noun.clone(), false), end, 5));
             }
         }
@@ -197,9 +227,12 @@ impl Wide<'_, '_> {
                 && let Some(agent) = self.words.usual_agent(&verb, subject)
             {
                 let clause = Clause::Undergoes { verb, by: Party::Category(agent) };
-                let by_somebody = self.phrase(end, "by somebody|by someone|by anybody|by anyone|by something");
+                let by_somebody =
+                    self.phrase(end, "by somebody|by someone|by anybody|by anyone|by something");
                 found.push(Guess::new(clause.clone(), end, misfit + 3 + doing.cost + plain_price(doing)));
-                found.extend(by_somebody.map(|end| Guess::new(clause, end, misfit + doing.cost + plain_price(doing))));
+                found.extend(
+                    by_somebody.map(|end| Guess::new(clause, end, misfit + doing.cost + plain_price(doing))),
+                );
             }
         }
         self.trailing(cheapest(found))
@@ -208,7 +241,10 @@ impl Wide<'_, '_> {
     /// Who does it, and whether it says that none does.
     fn agents(&self, at: usize) -> Guesses<(Party, String, bool)> {
         let mut found: Guesses<(Party, String, bool)> = Vec::new();
-        if let Some(before) = self.any_of(at, "it him her them").and_then(|end| self.before.as_ref().map(|before| (before, end))) {
+        if let Some(before) = self
+            .any_of(at, "it him her them")
+            .and_then(|end| self.before.as_ref().map(|before| (before, end)))
+        {
             found.push(Guess::new((self.party(before.0), before.0.noun.clone(), false), before.1, 0));
         }
         for guess in self.described(at, false).iter() {
@@ -231,7 +267,10 @@ impl Wide<'_, '_> {
             let (party, noun) = &object.value;
             for (form, doing) in data().doings_at(self.word(next)).filter(|(_, doing)| doing.takes_object) {
                 let words: Vec<String> = doing.before.iter().chain(&doing.after).cloned().collect();
-                let Some(end) = self.after_words(next + 1, &words).filter(|_| form == Form::Participle) else { continue };
+                let Some(end) = self.after_words(next + 1, &words).filter(|_| form == Form::Participle)
+                else {
+                    continue;
+                };
                 let Some((verb, misfit)) = self.verb(doing, Some(subject), Some(noun)) else { continue };
                 let clause = Clause::Does { verb, to: Some(party.clone()) };
                 found.push(object.clone().map(|_| vec![clause]).ending(end).plus(misfit + doing.cost));
@@ -244,7 +283,10 @@ impl Wide<'_, '_> {
     pub(super) fn given(&self, at: usize, object: &str) -> Guesses<Vec<Clause>> {
         let mut found = Vec::new();
         let what = self.word(at).to_owned();
-        for (_, doing) in data().doings_at("give").filter(|(form, doing)| *form == Form::Base && doing.after == [what.clone()]) {
+        for (_, doing) in data()
+            .doings_at("give")
+            .filter(|(form, doing)| *form == Form::Base && doing.after == [what.clone()])
+        {
             let Some(from) = self.any_of(at + 1, "from by") else { continue };
             for agent in self.agents(from) {
                 let (party, noun, is_no) = &agent.value;
@@ -281,7 +323,10 @@ impl Wide<'_, '_> {
             }
             let by = subject.value.as_ref();
             for (verb, end, cost) in self.verbs_of(next, by, object) {
-                let Some(party) = by.map(|(party, ..)| party.clone()).or_else(|| self.words.usual_agent(&verb, object).map(Party::Category)) else {
+                let Some(party) = by
+                    .map(|(party, ..)| party.clone())
+                    .or_else(|| self.words.usual_agent(&verb, object).map(Party::Category))
+                else {
                     continue;
                 };
                 let clause = Clause::Undergoes { verb, by: party.clone() };
@@ -290,7 +335,13 @@ impl Wide<'_, '_> {
                 if let Some(and) = self.phrase(end, "and is|and was|and then is|and|, and") {
                     for (verb, end, more) in self.verbs_of(and, by, object) {
                         let second = Clause::Undergoes { verb, by: party.clone() };
-                        found.push(subject.clone().map(|_| vec![clause.clone(), second]).ending(end).plus(cost + more));
+                        found.push(
+                            subject
+                                .clone()
+                                .map(|_| vec![clause.clone(), second])
+                                .ending(end)
+                                .plus(cost + more),
+                        );
                     }
                 }
                 found.push(subject.clone().map(|_| vec![clause]).ending(end).plus(cost));
@@ -315,24 +366,38 @@ impl Wide<'_, '_> {
     }
 
     /// Verbs at a place whose object is what is spoken of, left out or as a pronoun.
-    fn verbs_of(&self, at: usize, by: Option<&(Party, String, bool)>, object: &str) -> Vec<(String, usize, u32)> {
+    fn verbs_of(
+        &self,
+        at: usize,
+        by: Option<&(Party, String, bool)>,
+        object: &str,
+    ) -> Vec<(String, usize, u32)> {
         let mut found = Vec::new();
         let pronouns = "it him her them";
         for (form, doing) in data().doings_at(self.word(at)) {
             if !doing.takes_object || form == Form::Participle && self.word(at).ends_with("ing") {
                 continue;
             }
-            let Some((verb, misfit)) = self.verb(doing, by.map(|(_, noun, _)| noun.as_str()), Some(object)) else { continue };
+            let Some((verb, misfit)) = self.verb(doing, by.map(|(_, noun, _)| noun.as_str()), Some(object))
+            else {
+                continue;
+            };
             let cost = misfit + doing.cost + plain_price(doing);
             let past = if matches!(form, Form::Past | Form::Participle) { 1 } else { 0 };
             if let Some(end) = self.after_words(at + 1, &doing.before) {
                 for end in [Some(end), self.any_of(end, pronouns)].into_iter().flatten() {
-                    found.extend(self.after_words(end, &doing.after).map(|end| (verb.clone(), end, cost + past)));
+                    found.extend(
+                        self.after_words(end, &doing.after).map(|end| (verb.clone(), end, cost + past)),
+                    );
                 }
             }
             // "Puts it down".
             if let Some(end) = self.any_of(at + 1, pronouns) {
-                found.extend(self.after_words(end, &doing.before).filter(|_| doing.after.is_empty()).map(|end| (verb, end, cost + past)));
+                found.extend(
+                    self.after_words(end, &doing.before)
+                        .filter(|_| doing.after.is_empty())
+                        .map(|end| (verb, end, cost + past)),
+                );
             }
         }
         found

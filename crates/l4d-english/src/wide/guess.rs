@@ -26,6 +26,12 @@ impl<T> Guess<T> {
         Guess { value: change(self.value), end: self.end, cost: self.cost, skipped: self.skipped }
     }
 
+    /// The same with a value that may not be made of it.
+    pub(super) fn maybe<U>(self, change: impl FnOnce(T) -> Option<U>) -> Option<Guess<U>> {
+        let value = change(self.value)?;
+        Some(Guess { value, end: self.end, cost: self.cost, skipped: self.skipped })
+    }
+
     /// The same, followed by another.
     pub(super) fn then<U, V>(&self, next: Guess<U>, join: impl FnOnce(&T, U) -> V) -> Guess<V> {
         Guess {

@@ -35,7 +35,8 @@ pub(super) struct Described {
 
 impl Described {
     pub(super) fn predicate(&self) -> Predicate {
-        let clauses = std::iter::once(Clause::Category(self.noun.clone())).chain(self.clauses.iter().cloned());
+        let clauses =
+            std::iter::once(Clause::Category(self.noun.clone())).chain(self.clauses.iter().cloned());
         Predicate(clauses.collect())
     }
 }
@@ -64,7 +65,12 @@ impl Wide<'_, '_> {
         }
         for guess in self.described(at, false).iter() {
             if guess.value.article != Article::No {
-                found.push(guess.clone().plus(self.vagueness(&guess.value)).map(|such| (self.party(&such), such.noun)));
+                found.push(
+                    guess
+                        .clone()
+                        .plus(self.vagueness(&guess.value))
+                        .map(|such| (self.party(&such), such.noun)),
+                );
             }
         }
         cheapest(found)
@@ -113,7 +119,9 @@ impl Wide<'_, '_> {
             Clause::Superlative(_) => true,
             _ => false,
         };
-        such.article == Article::The && self.words.count(&such.noun) == 1 && such.clauses.iter().all(is_remark)
+        such.article == Article::The
+            && self.words.count(&such.noun) == 1
+            && such.clauses.iter().all(is_remark)
     }
 
     /// All noun phrases at a place; with `is_top` a finite verb may follow the noun ("which dog runs").
@@ -122,7 +130,8 @@ impl Wide<'_, '_> {
             return Rc::clone(found);
         }
         self.phrases.borrow_mut().insert((at, is_top), Rc::default());
-        let found = Rc::new(if self.may_go_on() { cheapest(self.noun_phrases(at, is_top)) } else { Vec::new() });
+        let found =
+            Rc::new(if self.may_go_on() { cheapest(self.noun_phrases(at, is_top)) } else { Vec::new() });
         self.phrases.borrow_mut().insert((at, is_top), Rc::clone(&found));
         found
     }
@@ -133,7 +142,9 @@ impl Wide<'_, '_> {
         for before in self.before_noun(start) {
             for head in self.heads(before.end, &before.value, has_article) {
                 let (noun, is_plural) = head.value.clone();
-                let Some((mut clauses, misfit)) = self.resolved(&noun, &before.value.items, false) else { continue };
+                let Some((mut clauses, misfit)) = self.resolved(&noun, &before.value.items, false) else {
+                    continue;
+                };
                 clauses.extend(before.value.clauses.iter().cloned());
                 let article = match article {
                     Some(article) => article,
@@ -174,8 +185,14 @@ impl Wide<'_, '_> {
             let word = self.word(at);
             article = match word {
                 "no" => Some(Article::No),
-                "a" | "an" | "any" | "another" | "each" | "every" | "some" | "@some" | "other" | "others" if article != Some(Article::No) => {
-                    Some(if article == Some(Article::The) && word == "other" { Article::The } else { Article::A })
+                "a" | "an" | "any" | "another" | "each" | "every" | "some" | "@some" | "other" | "others"
+                    if article != Some(Article::No) =>
+                {
+                    Some(if article == Some(Article::The) && word == "other" {
+                        Article::The
+                    } else {
+                        Article::A
+                    })
                 }
                 "two" | "three" | "four" | "five" | "only" | "single" | "same" | "all" | "more" => article,
                 _ => article.or(Some(Article::The)),
@@ -198,7 +215,10 @@ impl Wide<'_, '_> {
             let mut push = |value: Before, end: usize, cost: u32| {
                 found.push(Guess { value, end, cost: state.cost + cost, skipped: state.skipped });
             };
-            if !state.value.is_empty() && matches!(self.word(at), "," | "and" | "the" | "one" | "very" | "but") && self.word(at) != "one" {
+            if !state.value.is_empty()
+                && matches!(self.word(at), "," | "and" | "the" | "one" | "very" | "but")
+                && self.word(at) != "one"
+            {
                 push(state.value.clone(), at + 1, 0);
             }
             let mut with = |change: &dyn Fn(&mut Before), end: usize, cost: u32| {
@@ -233,7 +253,8 @@ impl Wide<'_, '_> {
                     with(&|before| before.clauses.push(event.value.clone()), event.end, event.cost + 1);
                 }
             }
-            let is_skippable = self.tokens.get(at).is_some_and(|word| !data().is_function(word) && word != ",");
+            let is_skippable =
+                self.tokens.get(at).is_some_and(|word| !data().is_function(word) && word != ",");
             if is_skippable {
                 let passed = self.pass(at);
                 // "The little potted plant": what fits nowhere is no great loss before a noun.
@@ -267,19 +288,30 @@ impl Wide<'_, '_> {
             for several in self.of_several(end) {
                 found.push(several.map(|noun| (noun, false)));
             }
-            found.extend(self.mentioned(at).into_iter().map(|(noun, cost)| Guess::new((noun, false), end, cost + 1)));
+            found.extend(
+                self.mentioned(at).into_iter().map(|(noun, cost)| Guess::new((noun, false), end, cost + 1)),
+            );
         }
         if has_article || !before.is_empty() {
             found.extend(self.of_several(at).into_iter().map(|guess| guess.map(|noun| (noun, false))));
         }
         // "Another": one of the same kind.
-        if has_article && matches!(self.word(at.wrapping_sub(1)), "another" | "other" | "others") && is_one.is_none() && self.nouns(at).is_empty() {
-            found.extend(self.mentioned(at).into_iter().map(|(noun, cost)| Guess::new((noun, false), at, cost + 2)));
+        if has_article
+            && matches!(self.word(at.wrapping_sub(1)), "another" | "other" | "others")
+            && is_one.is_none()
+            && self.nouns(at).is_empty()
+        {
+            found.extend(
+                self.mentioned(at).into_iter().map(|(noun, cost)| Guess::new((noun, false), at, cost + 2)),
+            );
         }
         // "The tallest", "the last to leave".
-        let can_stand_alone = before.order.is_some() || before.nearness.is_some() || !before.clauses.is_empty();
+        let can_stand_alone =
+            before.order.is_some() || before.nearness.is_some() || !before.clauses.is_empty();
         if can_stand_alone && is_one.is_none() {
-            found.extend(self.mentioned(at).into_iter().map(|(noun, cost)| Guess::new((noun, false), at, cost + 12)));
+            found.extend(
+                self.mentioned(at).into_iter().map(|(noun, cost)| Guess::new((noun, false), at, cost + 12)),
+            );
         }
         cheapest(found)
     }
@@ -304,7 +336,8 @@ impl Wide<'_, '_> {
             add(noun, 2, &mut found);
         }
         if head.is_none() {
-            let objects = self.words.categories().into_iter().filter(|category| self.words.is_object(category));
+            let objects =
+                self.words.categories().into_iter().filter(|category| self.words.is_object(category));
             objects.for_each(|category| add(&category, 8, &mut found));
         }
         found
@@ -313,10 +346,16 @@ impl Wide<'_, '_> {
     /// "of the cups", "of all of these cups".
     fn of_several(&self, at: usize) -> Guesses<String> {
         let Some(mut next) = self.phrase(at, "of|from|out of|among") else { return Vec::new() };
-        while let Some(after) = self.any_of(next, "the these those all both of two three four five other our @all their") {
+        while let Some(after) =
+            self.any_of(next, "the these those all both of two three four five other our @all their")
+        {
             next = after;
         }
-        self.nouns(next).into_iter().filter(|guess| guess.value.1).map(|guess| guess.map(|(noun, _)| noun)).collect()
+        self.nouns(next)
+            .into_iter()
+            .filter(|guess| guess.value.1)
+            .map(|guess| guess.map(|(noun, _)| noun))
+            .collect()
     }
 
     /// Nouns at a place, and whether they are in the plural.
@@ -358,7 +397,9 @@ impl Wide<'_, '_> {
         start = self.skip(start, "away|off|by");
         let Some(of) = self.any_of(start, "to from by") else { return Vec::new() };
         let parties = self.parties(of).into_iter();
-        parties.map(|guess| guess.map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }])).collect()
+        parties
+            .map(|guess| guess.map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }]))
+            .collect()
     }
 }
 

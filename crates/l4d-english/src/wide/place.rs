@@ -44,7 +44,14 @@ impl Wide<'_, '_> {
             here.extend(self.between_sides(start));
             found.extend(here.into_iter().map(|guess| guess.plus(price)));
             let Some(next) = self.phrase(start, LEADING) else { break };
-            price += if matches!(self.word(start), "put" | "set" | "left" | "placed" | "kept" | "back" | "seen" | "found") { 3 } else { 0 };
+            price += if matches!(
+                self.word(start),
+                "put" | "set" | "left" | "placed" | "kept" | "back" | "seen" | "found"
+            ) {
+                3
+            } else {
+                0
+            };
             start = next;
         }
         cheapest(found)
@@ -64,7 +71,9 @@ impl Wide<'_, '_> {
                 _ => 0,
             };
             for guess in self.parties(next) {
-                found.push(guess.map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }]).plus(cost));
+                found.push(
+                    guess.map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }]).plus(cost),
+                );
             }
         }
     }
@@ -74,21 +83,39 @@ impl Wide<'_, '_> {
         let start = self.skip(at, "the one|the|at the|one");
         for (kind, words, links) in [
             (Relation::ClosestTo, "closest closer", "to|of all to|@all to|by|by to|beside|from"),
-            (Relation::FarthestFrom, "farthest farther", "from|away from|off from|away off from|of all from|@all from|to|out from"),
+            (
+                Relation::FarthestFrom,
+                "farthest farther",
+                "from|away from|off from|away off from|of all from|@all from|to|out from",
+            ),
         ] {
             let Some(next) = self.any_of(start, words) else { continue };
             let is_comparative = self.word(start).ends_with("er");
             let next = self.skip(next, "one|ones|of all|of them all");
-            let next = self.nouns(next).iter().filter(|guess| self.phrase(guess.end, links).is_some()).map(|guess| guess.end).max().unwrap_or(next);
+            let next = self
+                .nouns(next)
+                .iter()
+                .filter(|guess| self.phrase(guess.end, links).is_some())
+                .map(|guess| guess.end)
+                .max()
+                .unwrap_or(next);
             let next = self.of_all(next).filter(|end| self.phrase(*end, links).is_some()).unwrap_or(next);
             let link = self.phrase(next, links);
             // "Closest the lamp".
-            for (of, cost) in link.map(|of| (of, 0)).into_iter().chain([(next, if kind == Relation::ClosestTo { 1 } else { 6 })]) {
+            for (of, cost) in link
+                .map(|of| (of, 0))
+                .into_iter()
+                .chain([(next, if kind == Relation::ClosestTo { 1 } else { 6 })])
+            {
                 for guess in self.parties(of) {
-                    let ends = [(self.than_others(guess.end), 0), (Some(guess.end), if is_comparative { 2 } else { 0 })];
+                    let ends = [
+                        (self.than_others(guess.end), 0),
+                        (Some(guess.end), if is_comparative { 2 } else { 0 }),
+                    ];
                     for (end, more) in ends {
                         let Some(end) = end else { continue };
-                        let clause = |(party, _): (Party, String)| vec![Clause::Relation { kind, of: vec![party] }];
+                        let clause =
+                            |(party, _): (Party, String)| vec![Clause::Relation { kind, of: vec![party] }];
                         found.push(guess.clone().map(clause).ending(end).plus(cost + more));
                     }
                 }
@@ -117,7 +144,13 @@ impl Wide<'_, '_> {
             let nouns = self.nouns(end);
             // "Than the cat on the sofa" compares with one that is described.
             match nouns.iter().map(|guess| guess.end).max().filter(|_| end > start) {
-                Some(next) if nouns.iter().any(|guess| self.mentioned(at).iter().any(|(noun, _)| *noun == guess.value.0)) => end = next,
+                Some(next)
+                    if nouns
+                        .iter()
+                        .any(|guess| self.mentioned(at).iter().any(|(noun, _)| *noun == guess.value.0)) =>
+                {
+                    end = next;
+                }
                 _ => break,
             }
         }
@@ -138,9 +171,12 @@ impl Wide<'_, '_> {
                 }
             }
         }
-        let two = self.skip(at, "the two other|the other two|two other|the two|two|both|both the|both of the|the");
+        let two =
+            self.skip(at, "the two other|the other two|two other|the two|two|both|both the|both of the|the");
         for noun in self.nouns(two).into_iter().filter(|guess| guess.value.1 && two > at) {
-            found.push(noun.map(|(noun, _)| clause(vec![Party::Category(noun.clone()), Party::Category(noun)])));
+            found.push(
+                noun.map(|(noun, _)| clause(vec![Party::Category(noun.clone()), Party::Category(noun)])),
+            );
         }
         found
     }
@@ -175,7 +211,9 @@ impl Wide<'_, '_> {
                 if let Some(and) = self.any_of(side, "and") {
                     let and = self.skip(and, "has|with");
                     for two in self.parties(and) {
-                        let Some(end) = self.phrase(self.skip(two.end, "over"), ON_THE_OTHER) else { continue };
+                        let Some(end) = self.phrase(self.skip(two.end, "over"), ON_THE_OTHER) else {
+                            continue;
+                        };
                         let of = vec![party.clone(), two.value.0.clone()];
                         let clause = vec![Clause::Relation { kind: Relation::Between, of }];
                         found.push(one.then(two, |_, _| clause).ending(end));
@@ -185,7 +223,10 @@ impl Wide<'_, '_> {
             // What is next to it, it is next to.
             let place = self.skip(one.end, "right|that is|which is|standing|lying|sitting|placed");
             for (kind, phrases) in [
-                (Relation::Beside, "beside it|next to it|by it|near it|beside her|beside him|beside them|alongside it|at hand"),
+                (
+                    Relation::Beside,
+                    "beside it|next to it|by it|near it|beside her|beside him|beside them|alongside it|at hand",
+                ),
                 (Relation::Facing, "in front of it|in front of her|in front of him|before it|ahead of it"),
                 (Relation::Touching, "touching it|against it|touching them|in contact with it|touches it"),
             ] {

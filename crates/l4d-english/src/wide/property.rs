@@ -52,7 +52,8 @@ impl Wide<'_, '_> {
         }
         let longest = wholes.iter().map(|(_, length)| *length).max().unwrap_or(0);
         if longest > 1 {
-            let wordings = wholes.into_iter().filter(|(_, length)| *length == longest).map(|(wording, _)| wording);
+            let wordings =
+                wholes.into_iter().filter(|(_, length)| *length == longest).map(|(wording, _)| wording);
             found.push((Item::Whole(wordings.collect()), at + longest));
         }
         found
@@ -84,7 +85,8 @@ impl Wide<'_, '_> {
     pub(super) fn lacking(&self, at: usize, noun: &str) -> Guesses<Vec<Clause>> {
         let mut found = Vec::new();
         // "No pattern, plain" denies the pattern alone.
-        let is_one = |items: &[Item]| !items.windows(2).any(|pair| matches!(pair, [Item::Part(_), Item::Value(_)]));
+        let is_one =
+            |items: &[Item]| !items.windows(2).any(|pair| matches!(pair, [Item::Part(_), Item::Value(_)]));
         for guess in self.runs(at).into_iter().filter(|guess| is_one(&guess.value)) {
             let items: Vec<Item> = std::iter::once(Item::No).chain(guess.value.iter().cloned()).collect();
             if let Some((clauses, cost)) = self.resolved(noun, &items, false) {
@@ -99,7 +101,12 @@ impl Wide<'_, '_> {
         let mut found = Vec::new();
         for guess in self.runs(at) {
             if let Some((clauses, cost)) = self.resolved(noun, &guess.value, is_worn) {
-                found.push(Guess { value: clauses, end: guess.end, cost: guess.cost + cost, skipped: guess.skipped });
+                found.push(Guess {
+                    value: clauses,
+                    end: guess.end,
+                    cost: guess.cost + cost,
+                    skipped: guess.skipped,
+                });
             }
         }
         cheapest(found)
@@ -135,7 +142,19 @@ impl Wide<'_, '_> {
                 let longer = Guess { value, end, cost: state.cost + extra, skipped: state.skipped };
                 found.push(longer.clone());
                 // "On it", "in them", "of hers" belong to it.
-                for tail in ["on it", "in it", "on them", "inside", "inside it", "on top", "round its body", "on its body", "with it", "on its side", "on its sides"] {
+                for tail in [
+                    "on it",
+                    "in it",
+                    "on them",
+                    "inside",
+                    "inside it",
+                    "on top",
+                    "round its body",
+                    "on its body",
+                    "with it",
+                    "on its side",
+                    "on its sides",
+                ] {
                     if let Some(end) = self.phrase(end, tail) {
                         found.push(longer.clone().ending(end));
                     }
@@ -170,7 +189,10 @@ impl Wide<'_, '_> {
                 }
                 Item::Value(values) => {
                     // "Hair in a bun": the part first.
-                    if part_is_bare && let Some((clause, misfit)) = part.and_then(|keys| self.fitting(noun, values, Some(keys), is_worn)) {
+                    if part_is_bare
+                        && let Some((clause, misfit)) =
+                            part.and_then(|keys| self.fitting(noun, values, Some(keys), is_worn))
+                    {
                         add(clause, is_not);
                         cost += misfit;
                         part_is_bare = false;
@@ -184,7 +206,10 @@ impl Wide<'_, '_> {
                     part_is_bare = pending.is_empty();
                     for values in std::mem::take(&mut pending) {
                         let with_part = self.fitting(noun, values, Some(keys), is_worn);
-                        let alone = || self.fitting(noun, values, None, is_worn).map(|(clause, misfit)| (clause, misfit + 6));
+                        let alone = || {
+                            self.fitting(noun, values, None, is_worn)
+                                .map(|(clause, misfit)| (clause, misfit + 6))
+                        };
                         match with_part.or_else(alone) {
                             Some((clause, misfit)) => {
                                 add(clause, is_not);
@@ -198,7 +223,9 @@ impl Wide<'_, '_> {
             }
         }
         for values in pending {
-            let with_part = part.filter(|_| part_is_bare).and_then(|keys| self.fitting(noun, values, Some(keys), is_worn));
+            let with_part = part
+                .filter(|_| part_is_bare)
+                .and_then(|keys| self.fitting(noun, values, Some(keys), is_worn));
             match with_part.or_else(|| self.fitting(noun, values, None, is_worn)) {
                 Some((clause, misfit)) => {
                     add(clause, is_not);
@@ -226,7 +253,8 @@ impl Wide<'_, '_> {
                 return Some((attribute("yes"), 0));
             }
             for none in ["none", "no", "plain", "bare"] {
-                let is_such = !matches!(none, "plain" | "bare") || keys.first() == Some(key) && key == "pattern" && keys.len() <= 2;
+                let is_such = !matches!(none, "plain" | "bare")
+                    || keys.first() == Some(key) && key == "pattern" && keys.len() <= 2;
                 if has(none) && is_such {
                     return Some((super::negated(attribute(none)), 0));
                 }
@@ -243,7 +271,13 @@ impl Wide<'_, '_> {
     }
 
     /// The property of such a thing that these values say best, of these parts or of the whole.
-    fn fitting(&self, noun: &str, values: &[(String, u32)], keys: Option<&Vec<String>>, is_worn: bool) -> Option<(Clause, u32)> {
+    fn fitting(
+        &self,
+        noun: &str,
+        values: &[(String, u32)],
+        keys: Option<&Vec<String>>,
+        is_worn: bool,
+    ) -> Option<(Clause, u32)> {
         let own = self.words.properties(noun);
         let person = lexicon().is_person(noun);
         let mut best: Option<(u32, Clause)> = None;
@@ -254,13 +288,17 @@ impl Wide<'_, '_> {
         };
         let key_cost = |key: &str| match keys {
             Some(keys) => keys.iter().position(|own| own == key).map(|at| at as u32),
-            None if is_worn && person => data().worn.iter().position(|own| own == key).map(|at| at as u32 / 4),
+            None if is_worn && person => {
+                data().worn.iter().position(|own| own == key).map(|at| at as u32 / 4)
+            }
             None if data().bare.iter().any(|own| own == key) => Some(0),
             None => Some(5),
         };
         for (value, rank) in values {
             for (key, own_value) in &own {
-                if own_value == value && let Some(cost) = key_cost(key) {
+                if own_value == value
+                    && let Some(cost) = key_cost(key)
+                {
                     consider(cost + (*rank).min(5), key, value);
                 }
             }
@@ -288,7 +326,10 @@ impl Wide<'_, '_> {
             let is_usual = own.iter().any(|(key, _)| *key == wording.key);
             let cost = cost + rank.min(&5) + if is_usual { 5 } else { 18 };
             if best.as_ref().is_none_or(|(least, _)| cost < *least) {
-                best = Some((cost, Clause::Attribute { key: wording.key.clone(), value: wording.value.clone() }));
+                best = Some((
+                    cost,
+                    Clause::Attribute { key: wording.key.clone(), value: wording.value.clone() },
+                ));
             }
         }
         best.map(|(cost, clause)| (clause, cost))

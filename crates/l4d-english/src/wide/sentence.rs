@@ -46,17 +46,26 @@ impl Wide<'_, '_> {
             let meaning = (acted.value.predicate(), Temporal::Whole);
             found.push(acted.map(|_| meaning).plus(4));
         }
-        let inner = if edge.is_some() { self.skip(start, "it is|this is|that is|which is|which one is|find|show me|i want") } else { start };
+        let inner = if edge.is_some() {
+            self.skip(start, "it is|this is|that is|which is|which one is|find|show me|i want")
+        } else {
+            start
+        };
         for begin in inner..self.tokens.len().min(inner + MOST_PASSED) {
             // What comes before a description is mostly manners.
             let mut passed = self.pass_all(inner, begin);
             passed.cost /= 3;
-            let is_denial = begin > inner && matches!(self.word(begin - 1), "no" | "not" | "never" | "nobody" | "without" | "neither");
+            let is_denial = begin > inner
+                && matches!(self.word(begin - 1), "no" | "not" | "never" | "nobody" | "without" | "neither");
             if passed.cost > 60 || is_denial {
                 break;
             }
             // What is named first is mostly what is meant.
-            for (place, _) in self.mentions.iter().filter(|(place, noun)| *place >= inner && *place < begin && self.words.is_object(noun)) {
+            for (place, _) in self
+                .mentions
+                .iter()
+                .filter(|(place, noun)| *place >= inner && *place < begin && self.words.is_object(noun))
+            {
                 let is_apart = self.tokens[*place..begin].iter().any(|word| word == ",");
                 passed.cost += if is_apart { 5 } else { 14 };
             }
@@ -95,24 +104,42 @@ impl Wide<'_, '_> {
         let joint = later.first().is_some_and(|word| matches!(word.as_str(), "and" | "but" | "so"));
         let request = super::tokens::without_preamble(later[usize::from(joint)..].to_vec());
         let is_request = request.len() + usize::from(joint) < later.len();
-        let Some((_, noun)) = self.mentions.iter().find(|(place, noun)| *place < at && self.words.is_object(noun)) else { return };
+        let Some((_, noun)) =
+            self.mentions.iter().find(|(place, noun)| *place < at && self.words.is_object(noun))
+        else {
+            return;
+        };
         if !is_request || request.is_empty() {
             return;
         }
         let text = request.join(" ");
-        if ["the one who does not", "the one that does not", "the one which does not", "the woman who does not", "the one that is not"].contains(&text.as_str()) {
+        if [
+            "the one who does not",
+            "the one that does not",
+            "the one which does not",
+            "the woman who does not",
+            "the one that is not",
+        ]
+        .contains(&text.as_str())
+        {
             let earlier = Wide::new(self.tokens[..at].to_vec(), self.words, None);
-            for top in earlier.described(0, true).iter().filter(|top| top.value.clauses.len() == 1 && top.end == at) {
+            for top in
+                earlier.described(0, true).iter().filter(|top| top.value.clauses.len() == 1 && top.end == at)
+            {
                 let clauses = top.value.clauses.iter().cloned().map(super::negated);
                 let all = std::iter::once(Clause::Category(top.value.noun.clone())).chain(clauses);
                 found.push(top.clone().map(|_| (Predicate(all.collect()), Temporal::Whole)).plus(4));
             }
         }
-        let spoken = Described { article: Article::The, noun: noun.clone(), clauses: Vec::new(), is_plural: false };
+        let spoken =
+            Described { article: Article::The, noun: noun.clone(), clauses: Vec::new(), is_plural: false };
         let wide = Wide::new(request, self.words, Some(spoken));
         // "Next to it" speaks of more than the noun.
         let is_vague = |predicate: &Predicate| {
-            predicate.parties().into_iter().any(|party| matches!(party, Party::Such(such) if such.0.len() == 1))
+            predicate
+                .parties()
+                .into_iter()
+                .any(|party| matches!(party, Party::Such(such) if such.0.len() == 1))
         };
         let is_whole = |guess: &Guess<Meaning>| guess.value.0.0.len() > 1 && !is_vague(&guess.value.0);
         let seconds = wide.single_sentence(0).into_iter().filter(is_whole).take(3);
@@ -142,7 +169,12 @@ impl Wide<'_, '_> {
             {
                 let tail = self.pass_all(end, length);
                 let meaning = (such.predicate(), Temporal::While);
-                found.push(whole.then(passed.clone(), |_, ()| ()).then(tail, |(), ()| meaning).plus(role_price(self, such)));
+                found.push(
+                    whole
+                        .then(passed.clone(), |_, ()| ())
+                        .then(tail, |(), ()| meaning)
+                        .plus(role_price(self, such)),
+                );
             }
             for gated in self.gated(gate, &such.noun) {
                 let tail = self.pass_all(gated.end, length);
@@ -159,7 +191,14 @@ impl Wide<'_, '_> {
         let start = self.skip(at, "but only|but just|only|just|but");
         let mut next = self.any_of(start, "@while when as until once during throughout mid amid")?;
         let is_noun = matches!(self.word(start), "during" | "throughout" | "mid" | "amid");
-        while let Some(after) = self.any_of(next, if is_noun { "its her his their the a this that act of whole" } else { "@while when as just only but" }) {
+        while let Some(after) = self.any_of(
+            next,
+            if is_noun {
+                "its her his their the a this that act of whole"
+            } else {
+                "@while when as just only but"
+            },
+        ) {
             next = after;
         }
         Some(next)
@@ -172,7 +211,11 @@ impl Wide<'_, '_> {
         if let Some(next) = self.any_of(at, "it he she they that this") {
             found.extend(self.verb_phrase(next, noun));
         }
-        for again in self.described(at, false).iter().filter(|guess| guess.value.noun == noun && guess.value.clauses.is_empty()) {
+        for again in self
+            .described(at, false)
+            .iter()
+            .filter(|guess| guess.value.noun == noun && guess.value.clauses.is_empty())
+        {
             found.extend(self.verb_phrase(again.end, noun).into_iter().map(|guess| guess.plus(2)));
         }
         found.extend(self.verb_phrase(at, noun));
@@ -240,7 +283,12 @@ impl Wide<'_, '_> {
         for (place, noun) in self.mentions.iter().filter(|(place, _)| *place > at + 1) {
             for said in [self.complement(at, noun), self.verb_phrase(at, noun)].concat() {
                 // "Next to that pot is the pot I want."
-                let Some(next) = self.phrase(said.end, ",|is|are|, and that is|there is|, there is|stands|lies|sits|, that is").filter(|next| next <= place) else { continue };
+                let Some(next) = self
+                    .phrase(said.end, ",|is|are|, and that is|there is|, there is|stands|lies|sits|, that is")
+                    .filter(|next| next <= place)
+                else {
+                    continue;
+                };
                 for top in self.described(next, true).iter().filter(|top| top.value.noun == *noun) {
                     let clauses = match edge {
                         Some(edge) => edge.of(said.value.clone()),
@@ -260,7 +308,11 @@ impl Wide<'_, '_> {
     fn no_other(&self, at: usize, found: &mut Vec<Guess<Meaning>>) {
         let Some(next) = self.phrase(at, "no other|none of the other|no") else { return };
         for noun in self.nouns(next) {
-            let Some(is) = self.phrase(noun.end, "is|are|stands|gets|comes|lies|is as|stands as|are as|is quite as|is so") else { continue };
+            let Some(is) = self
+                .phrase(noun.end, "is|are|stands|gets|comes|lies|is as|stands as|are as|is quite as|is so")
+            else {
+                continue;
+            };
             let name = noun.value.0.clone();
             let mut said = self.relation(is);
             said.extend(self.extreme(is));
@@ -295,7 +347,12 @@ impl Wide<'_, '_> {
         for at in places.take(3) {
             let later = self.tokens[at + 1..].to_vec();
             self.requested(at, &later, &mut found);
-            let speaks_back = later.iter().any(|word| matches!(word.as_str(), "it" | "him" | "her" | "them" | "she" | "he" | "one" | "that" | "they" | "its"));
+            let speaks_back = later.iter().any(|word| {
+                matches!(
+                    word.as_str(),
+                    "it" | "him" | "her" | "them" | "she" | "he" | "one" | "that" | "they" | "its"
+                )
+            });
             if !speaks_back {
                 continue;
             }
@@ -320,14 +377,22 @@ impl Wide<'_, '_> {
             }
             firsts.retain(|guess| !guess.value.clauses.is_empty());
             for first in cheapest(firsts).into_iter().take(MOST_EARLIER) {
-                let wide = Wide::new(super::tokens::without_preamble(later.clone()), self.words, Some(first.value.clone()));
+                let wide = Wide::new(
+                    super::tokens::without_preamble(later.clone()),
+                    self.words,
+                    Some(first.value.clone()),
+                );
                 // "... that is the one": the second sentence says no more.
                 let rest: u32 = (0..wide.tokens.len()).map(|place| wide.price(place)).sum();
                 let meaning = (first.value.predicate(), Temporal::Whole);
                 found.push(first.clone().map(|_| meaning).plus(10 + rest.min(40)));
                 // What was passed over in the second sentence is not where it was in the whole.
                 let seconds = wide.sentences().into_iter().take(3);
-                found.extend(seconds.map(|second| Guess { cost: first.cost + second.cost + 8, skipped: first.skipped, ..second }));
+                found.extend(seconds.map(|second| Guess {
+                    cost: first.cost + second.cost + 8,
+                    skipped: first.skipped,
+                    ..second
+                }));
             }
         }
         found
@@ -340,9 +405,15 @@ impl Wide<'_, '_> {
         let mut found = Vec::new();
         for subject in self.described(at, false).iter() {
             let verb_at = self.skip(subject.end, "never|does not|does|is|ever");
-            let is_denied = self.tokens[subject.end..verb_at].iter().any(|word| matches!(word.as_str(), "never" | "not"));
+            let is_denied =
+                self.tokens[subject.end..verb_at].iter().any(|word| matches!(word.as_str(), "never" | "not"));
             let is_not = is_denied || subject.value.article == Article::No;
-            for event in self.event(verb_at, &[Form::Third, Form::Base, Form::Past, Form::Ing], Some(&subject.value.noun), true) {
+            for event in self.event(
+                verb_at,
+                &[Form::Third, Form::Base, Form::Past, Form::Ing],
+                Some(&subject.value.noun),
+                true,
+            ) {
                 let Clause::Does { verb, to: Some(Party::Category(noun)) } = &event.value else { continue };
                 let mut subject_ = subject.value.clone();
                 if subject_.article == Article::No {
@@ -352,7 +423,9 @@ impl Wide<'_, '_> {
                 let clause = Clause::Undergoes { verb: verb.clone(), by };
                 let clause = if is_not { super::negated(clause) } else { clause };
                 let (clauses, end) = match self.rivals(event.end, noun) {
-                    Some((order, end)) => (order.of(vec![clause.clone()]).unwrap_or_else(|| vec![clause]), end),
+                    Some((order, end)) => {
+                        (order.of(vec![clause.clone()]).unwrap_or_else(|| vec![clause]), end)
+                    }
                     None => (vec![clause], event.end),
                 };
                 let such = Described { article: Article::The, noun: noun.clone(), clauses, is_plural: false };

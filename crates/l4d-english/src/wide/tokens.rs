@@ -33,7 +33,12 @@ pub(super) fn plain(text: &str, preferred: &BTreeSet<String>) -> Plain {
     let mut repairs = Vec::new();
     let mut unknown = Vec::new();
     for word in &mut words {
-        if word == "," || word.ends_with("ly") || word.contains('\'') || data().is_english(word) || word.chars().any(|letter| letter.is_ascii_digit()) {
+        if word == ","
+            || word.ends_with("ly")
+            || word.contains('\'')
+            || data().is_english(word)
+            || word.chars().any(|letter| letter.is_ascii_digit())
+        {
             continue;
         }
         match repaired(word, preferred) {
@@ -47,7 +52,12 @@ pub(super) fn plain(text: &str, preferred: &BTreeSet<String>) -> Plain {
     // How something is done is in no predicate.
     let is_adverb = |word: &String| word.len() > 4 && word.ends_with("ly") && !data().is_known(word);
     words.retain(|word| !is_adverb(word));
-    Plain { words: without_contrast(rewritten(without_contrast(with_edges(words)))), repairs, unknown, length }
+    Plain {
+        words: without_contrast(rewritten(without_contrast(with_edges(words)))),
+        repairs,
+        unknown,
+        length,
+    }
 }
 
 /// Lower-case words and "," for every pause.
@@ -100,7 +110,26 @@ fn contract(word: &str, words: &mut Vec<String>) {
         }
     }
     const SUBJECTS: [&str; 20] = [
-        "it", "that", "who", "he", "she", "there", "what", "which", "where", "one", "here", "this", "everything", "nothing", "how", "else", "other", "whichever", "whoever", "all",
+        "it",
+        "that",
+        "who",
+        "he",
+        "she",
+        "there",
+        "what",
+        "which",
+        "where",
+        "one",
+        "here",
+        "this",
+        "everything",
+        "nothing",
+        "how",
+        "else",
+        "other",
+        "whichever",
+        "whoever",
+        "all",
     ];
     match word.strip_suffix("'s") {
         Some(start) if SUBJECTS.contains(&start) => push(&[start, "is"]),
@@ -115,8 +144,15 @@ fn repaired(word: &str, preferred: &BTreeSet<String>) -> Option<String> {
     if letters.len() <= SHORT {
         return None;
     }
+    // "Teddys".
+    let plural = word.strip_suffix("ys").map(|stem| format!("{stem}ies"));
+    if let Some(plural) = plural.filter(|plural| data().is_known(plural)) {
+        return Some(plural);
+    }
     let most = if letters.len() >= LONG { 2 } else { 1 };
-    let mut best: Option<((usize, bool, bool, usize), &str)> = None;
+    /// How far, whether elsewhere, whether it starts otherwise, and how much longer or shorter.
+    type Rank = (usize, bool, bool, usize);
+    let mut best: Option<(Rank, &str)> = None;
     for other in data().known() {
         let length = other.chars().count();
         if length <= SHORT || length.abs_diff(letters.len()) > most {
@@ -126,8 +162,16 @@ fn repaired(word: &str, preferred: &BTreeSet<String>) -> Option<String> {
         let distance = edit_distance(&letters, &others);
         let starts_alike = letters[0] == others[0];
         // "Teh" is "the"; three letters of which another is wrong are any word.
-        let is_swap = { let (mut a, mut b) = (letters.clone(), others.clone()); a.sort_unstable(); b.sort_unstable(); a == b };
-        if distance > most || (letters.len() <= 3 && !is_swap && !(preferred.contains(other) && length > letters.len())) || (!starts_alike && distance > 1) {
+        let is_swap = {
+            let (mut a, mut b) = (letters.clone(), others.clone());
+            a.sort_unstable();
+            b.sort_unstable();
+            a == b
+        };
+        if distance > most
+            || (letters.len() <= 3 && !is_swap && !(preferred.contains(other) && length > letters.len()))
+            || (!starts_alike && distance > 1)
+        {
             continue;
         }
         let rank = (distance, !preferred.contains(other), !starts_alike, length.abs_diff(letters.len()));
@@ -173,13 +217,20 @@ fn rewritten(mut words: Vec<String>) -> Vec<String> {
                 at += if next == "got" { 2 } else { 1 };
                 continue;
             }
-            if words[at] == "'s" && (next.ends_with("ing") || matches!(next, "the" | "a" | "not" | "on" | "in" | "first" | "last")) {
+            if words[at] == "'s"
+                && (next.ends_with("ing")
+                    || matches!(next, "the" | "a" | "not" | "on" | "in" | "first" | "last"))
+            {
                 found.push("is".to_owned());
                 at += 1;
                 continue;
             }
             // "Does the cheering".
-            if matches!(words[at].as_str(), "doing" | "does") && (next.ends_with("ing") || matches!(next, "the" | "some") && words.get(at + 2).is_some_and(|word| word.ends_with("ing"))) {
+            if matches!(words[at].as_str(), "doing" | "does")
+                && (next.ends_with("ing")
+                    || matches!(next, "the" | "some")
+                        && words.get(at + 2).is_some_and(|word| word.ends_with("ing")))
+            {
                 at += 1;
                 continue;
             }
@@ -219,16 +270,30 @@ fn with_edges(words: Vec<String>) -> Vec<String> {
         }
         at
     };
-    let edge_at = |at: usize| if is_in(STARTS, at) { Some("@start") } else if is_in(ENDS, at) { Some("@end") } else { None };
+    let edge_at = |at: usize| {
+        if is_in(STARTS, at) {
+            Some("@start")
+        } else if is_in(ENDS, at) {
+            Some("@end")
+        } else {
+            None
+        }
+    };
     let mut found = Vec::new();
     let mut at = 0;
     while at < words.len() {
         // "During the part of the clip where", "at the times it".
         let link = skip(" but only just ", at);
-        let is_bare = is_in(" the those these ", link) && (at == 0 || is_in(" me see want find of ", at.wrapping_sub(1)) || words.get(at.wrapping_sub(1)).is_some_and(|word| word == ","));
+        let is_bare = is_in(" the those these ", link)
+            && (at == 0
+                || is_in(" me see want find of ", at.wrapping_sub(1))
+                || words.get(at.wrapping_sub(1)).is_some_and(|word| word == ","));
         if is_bare || is_in(" at during in for throughout over from through within ", link) {
             let noun = skip(" right just only the those these all of whole entire very that few ", link + 1);
-            if is_in(" time times moment moments part parts stretch period bit span interval seconds frames phase section portion stage instant while point length duration window ", noun) {
+            if is_in(
+                " time times moment moments part parts stretch period bit span interval seconds frames phase section portion stage instant while point length duration window ",
+                noun,
+            ) {
                 let mut end = noun + 1;
                 if is_in(" of ", end) {
                     end = skip(" of the clip video scene film footage recording ", end);
@@ -253,8 +318,12 @@ fn with_edges(words: Vec<String>) -> Vec<String> {
         if is_in(" when as once while until till after before by ", at) {
             let start = skip(" just right the time moment point very ", at + 1);
             let thing = skip(" the this whole entire whole ", start);
-            if is_in(CLIP, thing) && (thing > start || !is_in(" it all ", thing) || is_in(" all ", thing + 1)) {
-                let verb = skip(" all this that has have is are s gets get comes come to a an up first just finally really 's been and coming an 'll will had ", thing + 1);
+            if is_in(CLIP, thing) && (thing > start || !is_in(" it all ", thing) || is_in(" all ", thing + 1))
+            {
+                let verb = skip(
+                    " all this that has have is are s gets get comes come to a an up first just finally really 's been and coming an 'll will had ",
+                    thing + 1,
+                );
                 if let Some(edge) = edge_at(verb) {
                     let end = skip(" up out off down moving playing happening rolling ", verb + 1);
                     found.push(edge.to_owned());
@@ -267,7 +336,11 @@ fn with_edges(words: Vec<String>) -> Vec<String> {
         let link = skip(" right just only all already back even ", at);
         if is_in(" at by in from toward towards near until till to for ", link) {
             let noun = skip(" the very absolute actual its that a this total ", link + 1);
-            if noun > link + 1 && let Some(edge) = edge_at(noun).filter(|_| !is_in(" open opens close closes over done going rolling stop stops rest ", noun)) {
+            if noun > link + 1
+                && let Some(edge) = edge_at(noun).filter(|_| {
+                    !is_in(" open opens close closes over done going rolling stop stops rest ", noun)
+                })
+            {
                 let of = skip(" of ", noun + 1);
                 let thing = skip(" the this all our ", of);
                 let is_of_clip = of > noun + 1 && is_in(CLIP, thing);
@@ -303,7 +376,9 @@ pub(super) fn without_preamble(mut words: Vec<String>) -> Vec<String> {
         // "Who is the cook that" describes; "who kicks the ball" asks for anybody.
         if words.first().is_some_and(|word| word == "who") {
             let next = words.get(2).map_or("", String::as_str);
-            if words.get(1).is_some_and(|word| word == "is") && matches!(next, "the" | "a" | "that" | "first" | "last") {
+            if words.get(1).is_some_and(|word| word == "is")
+                && matches!(next, "the" | "a" | "that" | "first" | "last")
+            {
                 words.drain(..2);
                 continue;
             }
@@ -337,7 +412,10 @@ mod tests {
 
     #[test]
     fn idioms_become_plain() {
-        assert_eq!(words("Show me the dog that's fast asleep when the clip ends, please"), "the dog that is sleeping @end ,");
+        assert_eq!(
+            words("Show me the dog that's fast asleep when the clip ends, please"),
+            "the dog that is sleeping @end ,"
+        );
         assert_eq!(words("the ball furthest away from the gate"), "the ball farthest from the gate");
     }
 }

@@ -52,8 +52,13 @@ impl Wide<'_, '_> {
             }
             // Words that fit nowhere are passed over if something follows.
             let is_joint = matches!(self.word(at), "," | "and" | "but" | "@all");
-            let may_pass = is_top || is_joint || !matches!(self.word(at), "@while" | "when" | "as" | "@end" | "@start" | "@first" | "@last" | "and");
-            if may_pass && !(self.word(at) == "@while") {
+            let may_pass = is_top
+                || is_joint
+                || !matches!(
+                    self.word(at),
+                    "@while" | "when" | "as" | "@end" | "@start" | "@first" | "@last" | "and"
+                );
+            if may_pass && self.word(at) != "@while" {
                 let passed = self.pass(at);
                 let cost = if is_joint { 1 } else { passed.cost + 1 };
                 for rest in self.after(at + 1, noun, is_top).iter().filter(|rest| !rest.value.is_empty()) {
@@ -77,7 +82,10 @@ impl Wide<'_, '_> {
         // "That leaves the balls alone, never chasing one": what follows says what is meant.
         let start = self.skip(at, RELATIVES);
         if let Some(next) = self.any_of(start, "leaves leave leaving") {
-            let left = self.parties(next).into_iter().filter_map(|guess| self.phrase(guess.end, "alone|be|in peace"));
+            let left = self
+                .parties(next)
+                .into_iter()
+                .filter_map(|guess| self.phrase(guess.end, "alone|be|in peace"));
             return left.min();
         }
         let next = self.any_of(at, "on in at across along over of around from inside")?;
@@ -130,7 +138,8 @@ impl Wide<'_, '_> {
             // "Without a basket in her hands".
             for guess in self.parties(next) {
                 let Some(end) = self.phrase(guess.end, "in her hands|in his hands|in their hands|in hand|in her hand|in his hand|in hands|in their hand") else { continue };
-                let hold = |(party, _)| vec![negated(Clause::Does { verb: "hold".to_owned(), to: Some(party) })];
+                let hold =
+                    |(party, _)| vec![negated(Clause::Does { verb: "hold".to_owned(), to: Some(party) })];
                 found.push(guess.map(hold).ending(end));
             }
             let next = self.skip(next, "ever|once|being");
@@ -148,7 +157,10 @@ impl Wide<'_, '_> {
             let next = at + 1;
             found.extend(self.verb_phrase(next, noun).into_iter().map(|guess| guess.plus(2)));
         }
-        if self.phrase(at, ENDS).is_some() || self.phrase(at, STARTS).is_some() || self.any_of(at, "being getting neither either").is_some() {
+        if self.phrase(at, ENDS).is_some()
+            || self.phrase(at, STARTS).is_some()
+            || self.any_of(at, "being getting neither either").is_some()
+        {
             found.extend(self.verb_phrase(at, noun).into_iter().map(|guess| guess.plus(1)));
         }
         if self.phrase(at, POSTURES).is_some() {
@@ -183,26 +195,39 @@ impl Wide<'_, '_> {
             if !is_event(first) {
                 continue;
             }
-            let at = self.skip(one.end, ",|first ,|first and|and first|first|, and|at first ,|@start ,|@start");
+            let at =
+                self.skip(one.end, ",|first ,|first and|and first|first|, and|at first ,|@start ,|@start");
             let links = [
                 (self.phrase(at, "@then|and @then|, @then|but @then|first @then|@start @then|and|, and"), self.phrase(at, "and|, and").is_some(), true),
                 (self.phrase(at, "before it|before she|before he|before they|before|until it|until"), false, true),
                 (self.phrase(at, "after it|after she|after he|after they|after having|after first|only after|after"), false, false),
+                (self.phrase(at, "but first|, but first|but before that|, but before that|, and before that|and before that|, and before this"), false, false),
             ];
             for (next, is_and, is_later) in links {
                 let Some(next) = next else { continue };
-                let next = self.skip(next, "who|that|which|,|first|next|is|@then|she|he|it|they|it is|she is|he is|, she|, it|, he");
+                let next = self.skip(
+                    next,
+                    "who|that|which|,|first|next|is|@then|she|he|it|they|it is|she is|he is|, she|, it|, he",
+                );
                 for two in self.one_verb(next, noun) {
                     let [second] = &two.value[..] else { continue };
                     if !is_event(second) || second == first {
                         continue;
                     }
                     // "And" alone orders nothing.
-                    let is_marked = !is_and || matches!(self.word(two.end), "@then" | "@last" | "@end" | "later" | "second" | "next");
+                    let is_marked = !is_and
+                        || matches!(
+                            self.word(two.end),
+                            "@then" | "@last" | "@end" | "later" | "second" | "next"
+                        );
                     if !is_marked {
                         continue;
                     }
-                    let steps = if is_later { [first.clone(), second.clone()] } else { [second.clone(), first.clone()] };
+                    let steps = if is_later {
+                        [first.clone(), second.clone()]
+                    } else {
+                        [second.clone(), first.clone()]
+                    };
                     let end = if is_and { two.end + 1 } else { two.end };
                     found.push(one.then(two.clone(), |_, _| vec![Clause::Then(Box::new(steps))]).ending(end));
                 }
@@ -218,19 +243,28 @@ impl Wide<'_, '_> {
             let at = self.skip(guess.end, ", but only|, only|, and only|but only|only|, but|,");
             for (edge, word) in [(Edge::Start, "@start"), (Edge::End, "@end")] {
                 let Some(end) = self.any_of(at, word) else { continue };
-                found.extend(edge.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)));
+                found.extend(
+                    edge.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)),
+                );
             }
             if let Some((order, end)) = self.rivals(at, noun) {
-                found.extend(order.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)));
+                found.extend(
+                    order.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)),
+                );
             }
-            for (order, words) in [(Order::First, "@first|first|first of all"), (Order::Last, "@last|last|second|last of all|last of them all|the last|at last")] {
+            for (order, words) in [
+                (Order::First, "@first|first|first of all"),
+                (Order::Last, "@last|last|second|last of all|last of them all|the last|at last"),
+            ] {
                 let Some(mut end) = self.phrase(at, words) else { continue };
                 // "First" before "then" begins a sequence.
                 if matches!(self.word(end), "@then" | "and") {
                     continue;
                 }
                 end = self.after_rivals(end, noun);
-                found.extend(order.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)));
+                found.extend(
+                    order.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)),
+                );
             }
         }
         cheapest(found)
@@ -253,7 +287,9 @@ impl Wide<'_, '_> {
                 None => break,
             }
         }
-        let names_rivals = self.tokens[start..end].iter().any(|word| matches!(word.as_str(), "other" | "others" | "rest" | "else"));
+        let names_rivals = self.tokens[start..end]
+            .iter()
+            .any(|word| matches!(word.as_str(), "other" | "others" | "rest" | "else"));
         let mut end = self.skip(end, "does|do|is|are|did|have|has|does so|do so|gets to|get to|manages to|has been|have been|had|does it|do it|does that|do that");
         // "... have stood", "... carries one".
         if names_rivals && data().doings_at(self.word(end)).next().is_some() {
@@ -313,13 +349,16 @@ impl Wide<'_, '_> {
             if let Some(next) = self.any_of(at, word) {
                 let next = self.skip(next, ",");
                 let later = self.one_verb(next, noun).into_iter();
-                found.extend(later.filter_map(|guess| Some(Guess { value: edge.of(guess.value)?, end: guess.end, cost: guess.cost, skipped: guess.skipped })));
+                found.extend(later.filter_map(|guess| guess.maybe(|value| edge.of(value))));
             }
         }
-        for (order, words) in [(Order::First, "@first|, @first ,|@first ,|first"), (Order::Last, "@last|, @last ,|@last ,|last")] {
+        for (order, words) in [
+            (Order::First, "@first|, @first ,|@first ,|first"),
+            (Order::Last, "@last|, @last ,|@last ,|last"),
+        ] {
             if let Some(next) = self.phrase(at, words) {
-                let later = self.one_verb(next, noun).into_iter();
-                found.extend(later.filter_map(|guess| Some(Guess { value: order.of(guess.value)?, end: guess.end, cost: guess.cost, skipped: guess.skipped })));
+                let later = self.one_verb(next, noun).into_iter().map(|guess| guess.plus(2));
+                found.extend(later.filter_map(|guess| guess.maybe(|value| order.of(value))));
             }
         }
         if let Some(next) = self.phrase(at, "never|not|neither|does not|do not|did not|will not|can not|has never|have never|nor does it|nor does|nor do|nor|does never|would never|would not|has not|have not|does n't ever") {
@@ -341,7 +380,10 @@ impl Wide<'_, '_> {
         if let Some(next) = self.phrase(at, "has|have|had|having|gets|got|is given|receives|with") {
             found.extend(self.passive_of_something(next, noun));
         }
-        if let Some(next) = self.phrase(at, "gets a|gets|receives a|receives|is given a|takes a|gets given a|got a|getting a|to get a|get a") {
+        if let Some(next) = self.phrase(
+            at,
+            "gets a|gets|receives a|receives|is given a|takes a|gets given a|got a|getting a|to get a|get a",
+        ) {
             found.extend(self.given(next, noun));
         }
         // "Gets its tea from the pot".
@@ -357,7 +399,9 @@ impl Wide<'_, '_> {
             }
         }
         // "After driving for a bit, waits": the one and then the other.
-        if let Some(next) = self.phrase(at, ", after having|after having|, having|having|, after|after|, once done|once done") {
+        if let Some(next) =
+            self.phrase(at, ", after having|after having|, having|having|, after|after|, once done|once done")
+        {
             for one in self.event(next, &[Form::Ing, Form::Participle], Some(noun), true) {
                 let later = self.skip(one.end, ",|it|, it|she|he");
                 for two in self.one_verb(later, noun) {
@@ -365,7 +409,9 @@ impl Wide<'_, '_> {
                     if is_event(second) && is_event(&one.value) && one.value != *second {
                         let steps = [one.value.clone(), second.clone()];
                         let end = self.skip(two.end, "@then|later");
-                        found.push(one.then(two.clone(), |_, _| vec![Clause::Then(Box::new(steps))]).ending(end));
+                        found.push(
+                            one.then(two.clone(), |_, _| vec![Clause::Then(Box::new(steps))]).ending(end),
+                        );
                     }
                 }
             }
@@ -376,7 +422,8 @@ impl Wide<'_, '_> {
             if self.word(next) == "by" && self.word(next + 1).ends_with("ing") {
                 continue;
             }
-            let next = self.skip(next, "by being|being|off|up|out|by|in a place|things|as|out as|off as|up as");
+            let next =
+                self.skip(next, "by being|being|off|up|out|by|in a place|things|as|out as|off as|up as");
             // "Starts walking" is walking; "starts out walking" is at the start.
             let is_plain = matches!(edge, Edge::Start) && next == at + 1;
             for guess in self.complement(next, noun) {
@@ -389,14 +436,20 @@ impl Wide<'_, '_> {
         }
         if let Some(next) = self.phrase(at, ASPECTS) {
             let next = self.skip(next, "itself|herself|himself|off|to|be|out|up");
-            found.extend(self.event(next, &FINITE, Some(noun), true).into_iter().map(single).map(|guess| guess.plus(1)));
+            found.extend(
+                self.event(next, &FINITE, Some(noun), true)
+                    .into_iter()
+                    .map(single)
+                    .map(|guess| guess.plus(1)),
+            );
             found.extend(self.passive(next, noun).into_iter().map(single).map(|guess| guess.plus(1)));
             found.extend(self.complement(next, noun).into_iter().map(|guess| guess.plus(3)));
         }
         if self.phrase(at, POSTURES).is_some() {
             found.extend(self.posture(at, noun));
         }
-        for (words, kind) in [("faces face", Relation::Facing), ("touches touch touched", Relation::Touching)] {
+        for (words, kind) in [("faces face", Relation::Facing), ("touches touch touched", Relation::Touching)]
+        {
             let Some(next) = self.any_of(at, words) else { continue };
             for guess in self.parties(next) {
                 found.push(guess.map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }]));
@@ -411,9 +464,12 @@ impl Wide<'_, '_> {
     fn posture(&self, at: usize, noun: &str) -> Guesses<Vec<Clause>> {
         let Some(next) = self.phrase(at, POSTURES) else { return Vec::new() };
         let next = self.skip(next, "off|up|out|there|right there|over");
-        let does = ["stand", "sit", "lie", "rest"].iter().any(|verb| self.words.is_of_a_scene() && self.words.is_done_by(verb, noun));
+        let does = ["stand", "sit", "lie", "rest"]
+            .iter()
+            .any(|verb| self.words.is_of_a_scene() && self.words.is_done_by(verb, noun));
         let cost = if does { 2 } else { 0 };
-        let mut found: Guesses<Vec<Clause>> = self.relation(next).into_iter().map(|guess| guess.plus(cost)).collect();
+        let mut found: Guesses<Vec<Clause>> =
+            self.relation(next).into_iter().map(|guess| guess.plus(cost)).collect();
         found.extend(self.extreme(next).into_iter().map(|guess| guess.plus(cost)));
         // "Lying open".
         found.extend(self.run(next, noun, false).into_iter().map(|guess| guess.plus(3)));
@@ -440,14 +496,20 @@ impl Wide<'_, '_> {
         for (edge, word) in [(Edge::Start, "@start"), (Edge::End, "@end")] {
             if let Some(next) = self.any_of(at, word) {
                 let later = self.complement(next, noun).into_iter();
-                found.extend(later.filter_map(|guess| Some(Guess { value: edge.of(guess.value)?, end: guess.end, cost: guess.cost, skipped: guess.skipped })));
+                found.extend(later.filter_map(|guess| guess.maybe(|value| edge.of(value))));
             }
         }
         found.extend(self.extreme(at));
         found.extend(self.relation(at));
         // "Sitting there waiting".
-        if let Some(next) = self.phrase(at, "sitting|standing|lying|stuck|sat|stood|parked|kept|left|held up") {
-            found.extend(self.event(next, &[Form::Ing], Some(noun), true).into_iter().map(single).map(|guess| guess.plus(2)));
+        if let Some(next) = self.phrase(at, "sitting|standing|lying|stuck|sat|stood|parked|kept|left|held up")
+        {
+            found.extend(
+                self.event(next, &[Form::Ing], Some(noun), true)
+                    .into_iter()
+                    .map(single)
+                    .map(|guess| guess.plus(2)),
+            );
         }
         if self.phrase(at, POSTURES).is_some() {
             found.extend(self.posture(at, noun).into_iter().map(|guess| guess.plus(1)));
@@ -458,15 +520,22 @@ impl Wide<'_, '_> {
         found.extend(self.passive(at, noun).into_iter().map(single));
         if let Some(next) = self.phrase(at, "being|getting|having been|seen|to be|shown") {
             found.extend(self.passive(next, noun).into_iter().map(single));
-            found.extend(self.event(next, &[Form::Ing, Form::Base], Some(noun), true).into_iter().map(single));
+            found
+                .extend(self.event(next, &[Form::Ing, Form::Base], Some(noun), true).into_iter().map(single));
         }
         found.extend(self.order_of(at, noun));
         // "Is a steel one", "is the only one between the posts".
-        for such in self.described(at, false).iter().filter(|guess| guess.value.noun == noun && !guess.value.clauses.is_empty()) {
+        for such in self
+            .described(at, false)
+            .iter()
+            .filter(|guess| guess.value.noun == noun && !guess.value.clauses.is_empty())
+        {
             found.push(such.clone().map(|such| such.clauses).plus(1));
         }
         if let Some(next) = self.phrase(at, "the one|the only one") {
-            found.extend(self.after(next, noun, false).iter().filter(|guess| !guess.value.is_empty()).cloned());
+            found.extend(
+                self.after(next, noun, false).iter().filter(|guess| !guess.value.is_empty()).cloned(),
+            );
         }
         found.retain(|guess| guess.end > at && !guess.value.is_empty());
         self.timed(cheapest(found), noun)
@@ -492,7 +561,7 @@ impl Wide<'_, '_> {
         }
         found.extend(self.event(next, &[Form::Ing], Some(noun), true).into_iter().map(single));
         found.extend(self.passive(next, noun).into_iter().map(single));
-        let ordered = found.into_iter().filter_map(|guess| Some(Guess { value: order.of(guess.value)?, end: guess.end, cost: guess.cost, skipped: guess.skipped }));
+        let ordered = found.into_iter().filter_map(|guess| guess.maybe(|value| order.of(value)));
         ordered.collect()
     }
 
@@ -501,14 +570,23 @@ impl Wide<'_, '_> {
         let mut found = self.run(at, noun, false);
         if let Some(to) = self.phrase(at, "turn to|turn at") {
             for guess in self.verb_phrase(to, noun) {
-                for (order, words) in [(Order::First, "comes first|is first|comes @first"), (Order::Last, "comes last|is last|comes @last|comes at the last")] {
+                for (order, words) in [
+                    (Order::First, "comes first|is first|comes @first"),
+                    (Order::Last, "comes last|is last|comes @last|comes at the last"),
+                ] {
                     let Some(end) = self.phrase(guess.end, words) else { continue };
-                    found.extend(order.of(guess.value.clone()).map(|clauses| guess.clone().map(|_| clauses).ending(end)));
+                    found.extend(
+                        order
+                            .of(guess.value.clone())
+                            .map(|clauses| guess.clone().map(|_| clauses).ending(end)),
+                    );
                 }
             }
         }
         // "Whose distance to the lamp is greatest".
-        if let Some(to) = self.phrase(at, "distance to|distance from|distance to and from|gap to|separation from") {
+        if let Some(to) =
+            self.phrase(at, "distance to|distance from|distance to and from|gap to|separation from")
+        {
             for guess in self.parties(to) {
                 let next = self.skip(guess.end, "is the|is|comes out the|comes out");
                 let more = match self.word(next) {
@@ -517,18 +595,29 @@ impl Wide<'_, '_> {
                     _ => None,
                 };
                 if let (Some(kind), Some(end)) = (more, self.than_others(next + 1)) {
-                    found.push(guess.clone().map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }]).ending(end));
+                    found.push(
+                        guess
+                            .clone()
+                            .map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }])
+                            .ending(end),
+                    );
                 }
                 let kind = match self.word(next) {
-                    "greatest" | "largest" | "longest" | "farthest" | "highest" | "most" | "maximal" => Relation::FarthestFrom,
+                    "greatest" | "largest" | "longest" | "farthest" | "highest" | "most" | "maximal" => {
+                        Relation::FarthestFrom
+                    }
                     "smallest" | "least" | "closest" | "lowest" | "minimal" => Relation::ClosestTo,
                     _ => continue,
                 };
-                found.push(guess.map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }]).ending(next + 1));
+                found.push(
+                    guess.map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }]).ending(next + 1),
+                );
             }
         }
         // "Whose lid swings up": the part is what does it.
-        if let Some((_, end)) = self.items(at).into_iter().find(|(item, _)| matches!(item, super::property::Item::Part(_))) {
+        if let Some((_, end)) =
+            self.items(at).into_iter().find(|(item, _)| matches!(item, super::property::Item::Part(_)))
+        {
             found.extend(self.verb_phrase(end, noun).into_iter().map(|guess| guess.plus(4)));
         }
         cheapest(found)
