@@ -24,7 +24,9 @@ use self::interop::{ExportArgs, ImportArgs, ImportSceneArgs};
 use self::judging::{BaselineArgs, CheckResultsArgs, LeaderboardArgs, ScoreArgs};
 use self::models::{EndpointCommand, ProposePromptsArgs, ProposeScenesArgs};
 use self::publishing::{HostCommand, ReleaseArgs};
-use self::scenes::{BuildScenesArgs, CheckScenesArgs, ComposeArgs, DoctorArgs, PythonArgs, SheetArgs};
+use self::scenes::{
+    ArrangeArgs, BuildScenesArgs, CheckScenesArgs, ComposeArgs, DoctorArgs, PythonArgs, SheetArgs,
+};
 use self::solver::{AblateArgs, QueryArgs, SolveArgs};
 use self::splats::{BenchCommand, RenderSplatsArgs, TrainSplatsArgs};
 
@@ -62,6 +64,8 @@ pub(crate) enum Command {
     Sheet(SheetArgs),
     /// Compose new scenes with proved queries from seeds: training sets, private tests
     Compose(ComposeArgs),
+    /// Render furnished places filled with drawn things: pictures to learn from
+    Arrange(ArrangeArgs),
     /// Prove that each query has exactly one referent and real distractors
     CheckQueries(CheckQueriesArgs),
     /// Numbers, tables and figures of the set: comparison, words, sizes, visibility, motion, intervals
@@ -136,6 +140,7 @@ impl Command {
             Self::Quickstart(_)
             | Self::BuildScenes(_)
             | Self::Compose(_)
+            | Self::Arrange(_)
             | Self::ProposePrompts(_)
             | Self::ProposeScenes(_)
             | Self::RenderSplats(_)

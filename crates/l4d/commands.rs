@@ -1,6 +1,7 @@
 //! One file per verb; each is a function from its arguments to an exit status.
 
 mod ablate;
+mod arrange;
 mod baseline;
 mod bench;
 mod build_scenes;
@@ -50,6 +51,7 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::CheckScenes(args) => check_scenes::run(args, out),
         Command::Sheet(args) => sheet::run(args, out),
         Command::Compose(args) => compose::run(args, out),
+        Command::Arrange(args) => arrange::run(args, out),
         Command::CheckQueries(args) => check_queries::run(args, out),
         Command::Stats(args) => stats::run(args, out),
         Command::Endpoint(command) => endpoint::run(command, out),

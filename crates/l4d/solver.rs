@@ -9,6 +9,7 @@ use l4d_data::workspace::SharedWork;
 use l4d_data::{Profile, Workspace};
 use l4d_ground::geometric::Geometric;
 use l4d_ground::oracle::NoisePreset;
+use l4d_ground::panoptic::Panoptic;
 use l4d_solve::grounders::Grounders;
 use l4d_solve::method::MethodChoice;
 
@@ -42,6 +43,7 @@ pub(crate) fn open_grounders(args: &MethodArgs, work: &SharedWork, out: &Printer
     let strays = [
         ("--noise", args.noise.is_some(), GrounderArg::Oracle),
         ("--masks", args.masks.is_some(), GrounderArg::Files),
+        ("--weights", args.weights.is_some(), GrounderArg::Panoptic),
         ("--grounder-file", args.grounder_file.is_some(), GrounderArg::Model),
     ];
     for (flag, is_given, grounder) in strays {
@@ -55,6 +57,10 @@ pub(crate) fn open_grounders(args: &MethodArgs, work: &SharedWork, out: &Printer
     let lacking = |flag: &str| refusal(format!("grounder {} needs {flag}", args.grounder.as_str()), "add it");
     Ok(match args.grounder {
         GrounderArg::Geometric => Grounders::Shared(Arc::new(Geometric::default())),
+        GrounderArg::Panoptic => {
+            let folder = args.weights.as_deref().ok_or_else(|| lacking("--weights"))?;
+            Grounders::Shared(Arc::new(Panoptic::open(folder)?))
+        }
         GrounderArg::Oracle => {
             let noise = args.noise.as_deref().map(NoisePreset::read).transpose()?;
             Grounders::Oracle(noise.unwrap_or_else(NoisePreset::none))

@@ -2,6 +2,7 @@
 //!
 //! Blender's Python is GPL-3 and runs as a separate process; nothing else of the project links or imports it.
 
+pub mod arrange;
 pub mod build;
 pub mod compose;
 pub mod env;

@@ -34,6 +34,8 @@ pub(crate) enum WorkerEvent {
     Rejected { draw: u32, reason: String },
     /// A draw of a composition became a scene.
     Composed { draw: u32 },
+    /// All layouts of an arrangement are on disk, by this worker or before.
+    Arranged { seed: u64, made: bool },
     /// What compositions draw from.
     Theme { scale: String, name: String, places: Vec<String>, categories: Vec<String>, verbs: Vec<String> },
     /// Everything that was asked for is done.

@@ -68,7 +68,8 @@ pub(crate) struct Noun {
     /// Names several things.
     pub(crate) is_many: bool,
     pub(crate) is_mass: bool,
-    also: Vec<String>,
+    /// Other names, read and never said.
+    pub(crate) also: Vec<String>,
 }
 
 impl Noun {
@@ -150,6 +151,21 @@ impl Lexicon {
     /// How a category is called.
     pub(crate) fn noun(&self, category: &str) -> Option<&Noun> {
         self.nouns.get(category)
+    }
+
+    /// All categories and how they are called.
+    pub(crate) fn nouns(&self) -> impl Iterator<Item = (&str, &Noun)> {
+        self.nouns.iter().map(|(category, noun)| (category.as_str(), noun))
+    }
+
+    /// All verbs.
+    pub(crate) fn verbs(&self) -> impl Iterator<Item = (&str, &Verb)> {
+        self.verbs.iter().map(|(name, verb)| (name.as_str(), verb))
+    }
+
+    /// All wordings of properties.
+    pub(crate) fn all_wordings(&self) -> &[Wording] {
+        &self.wordings
     }
 
     pub(crate) fn is_person(&self, category: &str) -> bool {

@@ -1,5 +1,5 @@
-//! English sentences for predicates, in both directions: [`forms`] says a predicate, [`read`] finds what a sentence
-//! means. What is said is always read back as exactly what was meant.
+//! English sentences for predicates, in both directions: [`forms`] says a predicate, [`read`] finds what such a sentence
+//! means, [`understand`] what people mean by theirs. What is said is always read back as exactly what was meant.
 //!
 //! Owns the words and the grammar. Refuses to know what is true in a scene beyond what its things are called: whether a
 //! sentence has one answer is proved by `l4d-query`.
@@ -9,6 +9,8 @@ mod inflect;
 mod lexicon;
 mod read;
 mod say;
+mod understand;
+mod wide;
 mod words;
 
 use std::collections::BTreeSet;
@@ -18,7 +20,8 @@ use l4d_data::tracks::Tracks;
 pub use canonical::canonical;
 pub use read::{Unread, read};
 pub use say::{LONGEST, SHORTEST, forms, vocabulary};
-pub use words::Words;
+pub use understand::{Reading, understand};
+pub use words::{Vocabulary, Words};
 
 use lexicon::lexicon;
 

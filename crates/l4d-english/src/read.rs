@@ -11,6 +11,8 @@ mod sentence;
 mod state;
 mod verb_phrase;
 
+pub(crate) use state::SUPERLATIVES;
+
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -74,6 +76,27 @@ pub enum Unread {
     /// The predicate language has no such predicate.
     #[error("{0}")]
     Predicate(String),
+    /// Too little of it means anything here.
+    #[error("cannot read this sentence{}: describe one of {knows}{}", of_words(words), such_as(nearest))]
+    Unclear {
+        /// Words that mean nothing here.
+        words: Vec<String>,
+        /// What there is to describe.
+        knows: String,
+        /// The nearest sentence that would be understood, and that has one answer.
+        nearest: Option<String>,
+    },
+}
+
+fn of_words(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        words => format!(" (no meaning for \"{}\")", words.join("\", \"")),
+    }
+}
+
+fn such_as(nearest: &Option<String>) -> String {
+    nearest.as_ref().map(|sentence| format!(", such as \"{sentence}\"")).unwrap_or_default()
 }
 
 /// The predicate that a sentence means, its clauses in canonical order.

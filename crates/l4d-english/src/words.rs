@@ -1,9 +1,11 @@
 //! What a scene calls its things: which nouns, verbs and properties it has, and by which words its landmarks are known.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use l4d_data::tracks::{TrackedInstance, Tracks};
-use l4d_data::{Name, Role};
-use l4d_query::eval::members;
-use l4d_query::{Clause, Party, World};
+use l4d_data::{Name, Role, Temporal};
+use l4d_query::eval::{answer_times, answer_whole, members};
+use l4d_query::{Clause, Party, Predicate, World};
 
 use crate::lexicon::lexicon;
 
@@ -16,18 +18,35 @@ const FIRST_KEYS: [&str; 3] = ["colour", "material", "size"];
 #[derive(Debug, Clone)]
 pub struct Words<'a> {
     world: Option<World<'a>>,
+    known: Option<&'a Vocabulary>,
+}
+
+/// What may be spoken of where no tracks say what there is: the words that a network knows.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Vocabulary {
+    /// Categories, and whether such things are objects or landmarks.
+    pub nouns: BTreeMap<String, Role>,
+    /// Values of each property.
+    pub attributes: BTreeMap<String, BTreeSet<String>>,
+    /// Base forms.
+    pub verbs: BTreeSet<String>,
 }
 
 impl<'a> Words<'a> {
     /// The words of a scene.
     pub fn of(tracks: &'a Tracks) -> Self {
-        Self { world: Some(World::new(tracks)) }
+        Self { world: Some(World::new(tracks)), known: None }
+    }
+
+    /// The words of a network, for a scene that nobody has annotated: nothing has a name.
+    pub fn of_vocabulary(known: &'a Vocabulary) -> Self {
+        Self { world: None, known: Some(known) }
     }
 
     /// All words that there are, for a reader who knows nothing of the scene: nothing has a name, so "the lamp" is
     /// described and not named.
     pub fn all() -> Self {
-        Self { world: None }
+        Self { world: None, known: None }
     }
 
     /// How a landmark is called, with its article; none if no words tell it from its like.
@@ -86,9 +105,10 @@ impl<'a> Words<'a> {
 
     /// Whether the scene has such things; without a scene, whether there is such a word.
     pub(crate) fn has_category(&self, category: &str) -> bool {
-        match self.world {
-            Some(_) => self.count(category) > 0,
-            None => lexicon().noun(category).is_some(),
+        match (&self.world, self.known) {
+            (Some(_), _) => self.count(category) > 0,
+            (None, Some(known)) => known.nouns.contains_key(category),
+            (None, None) => lexicon().noun(category).is_some(),
         }
     }
 
@@ -115,7 +135,9 @@ impl<'a> Words<'a> {
 
     /// How well a verb fits the scene: 0 if it is done in this way, then if it is done at all.
     pub(crate) fn verb_rank(&self, verb: &str, has_object: bool) -> usize {
-        let Some(world) = &self.world else { return 0 };
+        let Some(world) = &self.world else {
+            return if self.known.is_none_or(|known| known.verbs.contains(verb)) { 0 } else { 2 };
+        };
         let mut done = world.events().filter(|event| event.verb == verb);
         match world.has_verb(verb) {
             false => 2,
@@ -140,6 +162,116 @@ impl<'a> Words<'a> {
         let mut agents = events.filter_map(|event| Some(&world.instance(&event.subject)?.category));
         let first = agents.next()?;
         agents.all(|other| other == first).then(|| first.clone())
+    }
+
+    /// Whether queries may ask for such things.
+    pub(crate) fn is_object(&self, category: &str) -> bool {
+        match (&self.world, self.known) {
+            (Some(_), _) => {
+                self.instances().any(|found| found.category == category && found.role == Role::Object)
+            }
+            (None, Some(known)) => known.nouns.get(category) == Some(&Role::Object),
+            (None, None) => true,
+        }
+    }
+
+    /// All categories that there are.
+    pub(crate) fn categories(&self) -> BTreeSet<String> {
+        match (&self.world, self.known) {
+            (Some(_), _) => self.instances().map(|found| found.category.clone()).collect(),
+            (None, Some(known)) => known.nouns.keys().cloned().collect(),
+            (None, None) => lexicon().nouns().map(|(category, _)| category.to_owned()).collect(),
+        }
+    }
+
+    /// Properties and values of such things; of a network, all that it knows.
+    pub(crate) fn properties(&self, category: &str) -> BTreeSet<(String, String)> {
+        if let Some(known) = self.known.filter(|_| self.world.is_none()) {
+            let pairs = known.attributes.iter();
+            return pairs
+                .flat_map(|(key, values)| values.iter().map(move |value| (key.clone(), value.clone())))
+                .collect();
+        }
+        let alike = self.instances().filter(|instance| instance.category == category);
+        alike.flat_map(|instance| instance.attributes.clone()).collect()
+    }
+
+    /// Verbs that are done.
+    pub(crate) fn verbs(&self) -> BTreeSet<String> {
+        match (&self.world, self.known) {
+            (Some(world), _) => world.events().map(|event| event.verb.clone()).collect(),
+            (None, Some(known)) => known.verbs.clone(),
+            (None, None) => lexicon().verbs().map(|(verb, _)| verb.to_owned()).collect(),
+        }
+    }
+
+    /// How far it is from what happens that such a thing does this, to such an other; 0 is what happens.
+    pub(crate) fn misfit(&self, verb: &str, subject: Option<&str>, object: Option<&str>) -> u32 {
+        let Some(world) = &self.world else {
+            let is_known = self.known.is_none_or(|known| known.verbs.contains(verb));
+            return if is_known { 0 } else { 40 };
+        };
+        let is_a = |name: &Name, category: Option<&str>| {
+            category.is_none_or(|wanted| world.instance(name).is_some_and(|found| found.category == wanted))
+        };
+        let mut least = 40;
+        for event in world.events().filter(|event| event.verb == verb) {
+            let same_subject = is_a(&event.subject, subject);
+            let cost = match (&event.object, object) {
+                (Some(own), Some(_)) if is_a(own, object) => 0,
+                (None, None) => 0,
+                (Some(_), None) => 4,
+                (Some(_), Some(_)) => 8,
+                (None, Some(_)) => 14,
+            };
+            least = least.min(cost + if same_subject { 0 } else { 8 });
+        }
+        least
+    }
+
+    /// The category of those who do this to such things, if anything does.
+    pub(crate) fn usual_agent(&self, verb: &str, object: &str) -> Option<String> {
+        let world = self.world.as_ref()?;
+        let category = |name: &Name| world.instance(name).map(|found| found.category.clone());
+        let done = world.events().filter(|event| event.verb == verb);
+        let to_such =
+            done.filter(|event| event.object.as_ref().and_then(category).is_some_and(|own| own == object));
+        to_such.filter_map(|event| category(&event.subject)).next().or_else(|| self.agent(verb))
+    }
+
+    /// Whether the scene has every kind of thing and every property that this speaks of.
+    pub(crate) fn has_all_of(&self, predicate: &Predicate) -> bool {
+        if !self.is_of_a_scene() && self.known.is_none() {
+            return true;
+        }
+        let noun = predicate.noun();
+        let own = self.properties(noun);
+        let has = |clause: &Clause| match clause {
+            Clause::Attribute { key, value } => own.contains(&(key.clone(), value.clone())),
+            Clause::Does { verb, .. } | Clause::Undergoes { verb, .. } => self.verb_rank(verb, true) < 2,
+            _ => true,
+        };
+        let clauses = predicate.0.iter().flat_map(|clause| self.own_clauses(clause));
+        let of_others = predicate.parties().into_iter().all(|party| match party {
+            Party::Such(described) => self.has_all_of(described),
+            Party::Category(category) => self.has_category(category),
+            Party::Name(_) => true,
+        });
+        self.has_category(noun) && of_others && clauses.into_iter().all(has)
+    }
+
+    /// A clause and those inside it, without those of others.
+    fn own_clauses<'c>(&self, clause: &'c Clause) -> Vec<&'c Clause> {
+        let inner = clause.inner().iter().flat_map(|inner| self.own_clauses(inner));
+        std::iter::once(clause).chain(inner).collect()
+    }
+
+    /// Whether exactly one object of the scene is described; never where there is no scene to look at.
+    pub(crate) fn has_one_answer(&self, predicate: &Predicate, temporal: Temporal) -> bool {
+        self.world.as_ref().is_some_and(|world| match temporal {
+            Temporal::Whole => answer_whole(world, predicate).len() == 1,
+            Temporal::While => answer_times(world, predicate).len() == 1,
+        })
     }
 
     fn instances(&self) -> impl Iterator<Item = &'a TrackedInstance> {

@@ -3,6 +3,7 @@
 //! What drew it, and what only the truth knows, is not part of it.
 
 use glam::{DVec2, DVec3};
+use l4d_data::digest::sha256_hex;
 use l4d_data::{Camera, Timeline};
 use l4d_frames::drawn::{DepthMap, RgbImage};
 
@@ -50,5 +51,24 @@ impl ViewClip {
         let position = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
         let has_depth = depth_m.is_finite() && depth_m > 0.0;
         has_depth.then(|| self.camera.unproject(seen.frame, position, f64::from(depth_m)))
+    }
+
+    /// Digest of everything that can be seen.
+    pub(crate) fn digest(&self) -> String {
+        let mut bytes = Vec::new();
+        bytes.extend(self.width.to_le_bytes());
+        bytes.extend(self.height.to_le_bytes());
+        let camera = &self.camera;
+        let numbers = [camera.fx, camera.fy, camera.cx, camera.cy];
+        let poses = camera.world_from_camera.iter().flatten();
+        bytes.extend(numbers.iter().chain(poses).flat_map(|number| number.to_le_bytes()));
+        bytes.extend(self.timeline.duration_s().to_le_bytes());
+        for seen in &self.frames {
+            bytes.extend(seen.frame.to_le_bytes());
+            bytes.extend(seen.colour.as_raw());
+            bytes.extend(seen.depth.depth_m.iter().flat_map(|depth_m| depth_m.to_le_bytes()));
+            bytes.extend(seen.depth.alpha.iter().flat_map(|alpha| alpha.to_le_bytes()));
+        }
+        sha256_hex(&bytes)
     }
 }

@@ -5,24 +5,23 @@
 
 mod classical;
 mod kinds;
-mod lab;
+pub(crate) mod lab;
 mod lexicon;
-mod link;
+pub(crate) mod link;
 mod looks;
-mod motion;
+pub(crate) mod motion;
 mod parse;
-mod perceive;
+pub(crate) mod perceive;
 mod reason;
-mod segment;
+pub(crate) mod segment;
 mod settings;
-mod stage;
-mod surface;
+pub(crate) mod stage;
+pub(crate) mod surface;
 #[cfg(test)]
 mod tests;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use l4d_data::digest::sha256_hex;
 use serde_json::{Value, json};
 
 use self::classical::perceive;
@@ -48,7 +47,7 @@ pub struct Geometric {
 impl Geometric {
     /// What is seen in a clip: worked out once, then remembered for the other questions.
     fn perceived(&self, clip: &ViewClip) -> Arc<Perceived> {
-        let digest = digest_of(clip);
+        let digest = clip.digest();
         let known = |entries: &[(String, Arc<Perceived>)]| {
             entries.iter().find(|(key, _)| *key == digest).map(|(_, seen)| Arc::clone(seen))
         };
@@ -114,23 +113,4 @@ fn understood(lexicon: &Lexicon, text: &str) -> Result<Parsed, Unreadable> {
         Some(unread) => Err(unread),
         None => Ok(parsed),
     }
-}
-
-/// Digest of everything that perception sees.
-fn digest_of(clip: &ViewClip) -> String {
-    let mut bytes = Vec::new();
-    bytes.extend(clip.width.to_le_bytes());
-    bytes.extend(clip.height.to_le_bytes());
-    let camera = &clip.camera;
-    let numbers = [camera.fx, camera.fy, camera.cx, camera.cy];
-    let poses = camera.world_from_camera.iter().flatten();
-    bytes.extend(numbers.iter().chain(poses).flat_map(|number| number.to_le_bytes()));
-    bytes.extend(clip.timeline.duration_s().to_le_bytes());
-    for seen in &clip.frames {
-        bytes.extend(seen.frame.to_le_bytes());
-        bytes.extend(seen.colour.as_raw());
-        bytes.extend(seen.depth.depth_m.iter().flat_map(|depth_m| depth_m.to_le_bytes()));
-        bytes.extend(seen.depth.alpha.iter().flat_map(|alpha| alpha.to_le_bytes()));
-    }
-    sha256_hex(&bytes)
 }

@@ -11,6 +11,7 @@ pub mod geometric;
 pub mod grounder;
 mod grounder_file;
 pub mod oracle;
+pub mod panoptic;
 mod plan;
 #[cfg(test)]
 mod testing;

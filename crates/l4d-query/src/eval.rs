@@ -1,14 +1,17 @@
 //! Who satisfies a predicate, and when.
+//!
+//! The meaning of clauses is written once, over a reading of the scene (`reading`); the public functions read it hard.
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use l4d_data::Name;
 use l4d_data::tracks::TrackedInstance;
-use l4d_data::{Event, Name};
 
 use crate::ast::{Clause, Party, Predicate};
-use crate::relations::{is_extreme, related};
+use crate::reading::{Degree, Happens, Member, Reading, Truth, any_of, is_any};
+use crate::relations::{extreme, relation};
 use crate::thresholds::LEAD_FRAMES;
-use crate::times::{Times, all_of, any_of};
+use crate::times::{Times, all_of};
 use crate::world::World;
 
 /// A set of instances.
@@ -38,99 +41,155 @@ pub fn answer_times(world: &World<'_>, predicate: &Predicate) -> BTreeMap<Name, 
 
 /// The instances that a party means.
 pub fn members<'a>(world: &World<'a>, party: &Party) -> Vec<&'a TrackedInstance> {
-    match party {
-        Party::Name(name) => world.instance(name).into_iter().collect(),
-        Party::Category(noun) => world.instances().filter(|instance| instance.category == *noun).collect(),
-        Party::Such(predicate) => {
-            world.instances().filter(|instance| identifies(world, predicate, instance)).collect()
-        }
-    }
+    members_in(world, party).iter().map(|(member, _)| *member).collect()
 }
 
 /// Whether the predicate names this instance over the whole clip.
 pub fn identifies(world: &World<'_>, predicate: &Predicate, instance: &TrackedInstance) -> bool {
-    predicate.0.iter().all(|clause| holds_over_clip(world, clause, instance))
+    fits(world, predicate, instance)
 }
 
 /// Whether a clause holds of an instance over the whole clip: an event at some time, a state all the time.
 pub fn holds_over_clip(world: &World<'_>, clause: &Clause, instance: &TrackedInstance) -> bool {
-    match clause {
-        // "Never does" is the negation of "does at some time".
-        Clause::Not(inner) if inner.is_event() => !holds_over_clip(world, inner, instance),
-        clause if clause.is_event() => clause_times(world, clause, instance).any(),
-        clause => clause_times(world, clause, instance).all(),
-    }
+    over_clip(world, clause, instance, &instance.category)
 }
 
 /// When a clause holds of an instance.
 pub fn clause_times(world: &World<'_>, clause: &Clause, instance: &TrackedInstance) -> Times {
-    match clause {
-        Clause::Category(noun) => Times::constant(instance.category == *noun),
-        Clause::Attribute { key, value } => Times::constant(instance.attributes.get(key) == Some(value)),
-        Clause::Does { .. } | Clause::Undergoes { .. } => {
-            any_of(events_of(world, clause, instance).iter().map(|event| Times::of(event.frames)))
+    truth(world, clause, instance, &instance.category)
+}
+
+/// Those whom a party means, with how sure that is.
+fn members_in<'a, R: Reading<'a>>(reading: &R, party: &Party) -> std::rc::Rc<Vec<Member<'a, R::Degree>>> {
+    reading.meant(party, || {
+        let fit = |fit: &dyn Fn(&TrackedInstance) -> R::Degree| {
+            let all = reading.world().instances().map(|instance| (instance, fit(instance)));
+            all.filter(|(_, degree)| degree.is_possible()).collect()
+        };
+        match party {
+            Party::Name(name) => reading.named(name),
+            Party::Category(noun) => fit(&|instance| reading.is_a(instance, noun)),
+            Party::Such(predicate) => fit(&|instance| fits(reading, predicate, instance)),
         }
+    })
+}
+
+/// How well a predicate describes an instance over the whole clip.
+pub(crate) fn fits<'a, R: Reading<'a>>(
+    reading: &R,
+    predicate: &Predicate,
+    instance: &TrackedInstance,
+) -> R::Degree {
+    let noun = predicate.noun();
+    predicate.0.iter().fold(R::Degree::TRUE, |held, clause| {
+        held.and(|| reading.weigh(clause, over_clip(reading, clause, instance, noun)))
+    })
+}
+
+/// Whether a clause holds over the whole clip of an instance among those of a noun.
+pub(crate) fn over_clip<'a, R: Reading<'a>>(
+    reading: &R,
+    clause: &Clause,
+    instance: &TrackedInstance,
+    noun: &str,
+) -> R::Degree {
+    match clause {
+        // "Never does" is the negation of "does at some time".
+        Clause::Not(inner) if inner.is_event() => over_clip(reading, inner, instance, noun).not(),
+        clause if clause.is_event() => truth(reading, clause, instance, noun).ever(),
+        clause => truth(reading, clause, instance, noun).throughout(),
+    }
+}
+
+/// When a clause holds of an instance among those of a noun.
+pub(crate) fn truth<'a, R: Reading<'a>>(
+    reading: &R,
+    clause: &Clause,
+    instance: &TrackedInstance,
+    noun: &str,
+) -> R::Truth {
+    let of = |inner: &Clause| truth(reading, inner, instance, noun);
+    let constant = R::Truth::constant;
+    match clause {
+        Clause::Category(noun) => constant(reading.is_a(instance, noun)),
+        Clause::Attribute { key, value } => constant(reading.has(instance, key, value)),
+        Clause::Does { .. } | Clause::Undergoes { .. } => any_of(events_of(reading, clause, instance)),
         Clause::Relation { kind, of } => {
-            let mut parties = of.iter().map(|party| members(world, party));
+            let mut parties = of.iter().map(|party| members_in(reading, party));
             let others = parties.next().unwrap_or_default();
             let second = parties.next().unwrap_or_default();
-            related(world, instance, *kind, &others, &second)
+            relation(reading, instance, *kind, [&others, &second], noun)
         }
-        Clause::Superlative(extreme) => is_extreme(world, instance, *extreme),
-        Clause::Not(inner) => clause_times(world, inner, instance).complement(),
-        Clause::AtStart(inner) => Times::constant(clause_times(world, inner, instance).at(0)),
-        Clause::AtEnd(inner) => {
-            Times::constant(clause_times(world, inner, instance).at(l4d_data::timeline::LAST_FRAME))
-        }
-        Clause::First(inner) => Times::constant(leads(world, inner, instance, 1.0)),
-        Clause::Last(inner) => Times::constant(leads(world, inner, instance, -1.0)),
+        Clause::Superlative(which) => extreme(reading, instance, *which, noun),
+        Clause::Not(inner) => of(inner).not(),
+        Clause::AtStart(inner) => constant(of(inner).at_start()),
+        Clause::AtEnd(inner) => constant(of(inner).at_end()),
+        Clause::First(inner) => constant(comes(reading, inner, instance, noun, Order::First)),
+        Clause::Last(inner) => constant(comes(reading, inner, instance, noun, Order::Last)),
         Clause::Then(steps) => {
-            let [before, after] = [0, 1].map(|step| events_of(world, &steps[step], instance));
-            let lead = world.slack().at_least(LEAD_FRAMES);
-            let follows = |a: &&Event, b: &&Event| {
-                f64::from(b.frames.first()) >= f64::from(a.frames.first()) + lead
-                    && b.frames.last() > a.frames.last()
+            let [before, after] = [0, 1].map(|step| events_of(reading, &steps[step], instance));
+            let (lead, jitter) = (reading.slack().at_least(LEAD_FRAMES), reading.jitter_frames());
+            let follows = |a: &R::Truth, b: &R::Truth| {
+                let both = a.ever().and(|| b.ever());
+                both.and(|| a.leads(b, lead, jitter)).and(|| b.outlasts(a, jitter))
             };
-            Times::constant(before.iter().any(|a| after.iter().any(|b| follows(a, b))))
+            constant(is_any(before.iter().flat_map(|a| after.iter().map(move |b| follows(a, b)))))
         }
     }
 }
 
 /// The events that a `does` or `undergoes` clause speaks of.
-fn events_of<'a>(world: &World<'a>, clause: &Clause, instance: &TrackedInstance) -> Vec<&'a Event> {
+fn events_of<'a, R: Reading<'a>>(reading: &R, clause: &Clause, instance: &TrackedInstance) -> Vec<R::Truth> {
     let (wanted, other) = match clause {
         Clause::Does { verb, to } => (verb, to.as_ref()),
         Clause::Undergoes { verb, by } => (verb, Some(by)),
         _ => return Vec::new(),
     };
     let passive = matches!(clause, Clause::Undergoes { .. });
-    let mut events: Vec<&Event> = world.events().filter(|event| event.verb == *wanted).collect();
-    events.retain(|event| {
-        let own = if passive { event.object.as_ref() } else { Some(&event.subject) };
-        own == Some(&instance.name)
+    let mut events = reading.events().iter().filter(|event| {
+        let own = if passive { event.object() } else { Some(event.subject()) };
+        event.verb() == wanted && own == Some(&instance.name)
     });
+    let Some(party) = other else { return events.map(R::Event::times).collect() };
     // Describing the other one is the expensive part: only who takes part at all is asked about.
-    if let (Some(party), false) = (other, events.is_empty()) {
-        let others: BTreeSet<&Name> = members(world, party).into_iter().map(|member| &member.name).collect();
-        events.retain(|event| {
-            let other = if passive { Some(&event.subject) } else { event.object.as_ref() };
-            other.is_some_and(|name| others.contains(name))
-        });
-    }
-    events
+    let Some(first) = events.next() else { return Vec::new() };
+    let members = members_in(reading, party);
+    let with_meant = |event: &R::Event| {
+        let name = if passive { Some(event.subject()) } else { event.object() };
+        let (_, degree) = members.iter().find(|(member, _)| Some(&member.name) == name)?;
+        Some(event.times().and(R::Truth::constant(*degree)))
+    };
+    std::iter::once(first).chain(events).filter_map(with_meant).collect()
 }
 
-/// Whether the first event of this instance starts before (`sign` 1) or after (-1) that of all others of its category.
-fn leads(world: &World<'_>, clause: &Clause, instance: &TrackedInstance, sign: f64) -> bool {
-    let start = |of: &TrackedInstance| {
-        let events = events_of(world, clause, of);
-        events.iter().map(|event| f64::from(event.frames.first())).min_by(f64::total_cmp)
-    };
-    let Some(own) = start(instance) else { return false };
-    let lead = world.slack().at_least(LEAD_FRAMES);
-    let rivals =
-        world.instances().filter(|other| other.category == instance.category && other.name != instance.name);
-    rivals.filter_map(start).all(|other| sign * (other - own) >= lead)
+/// Who comes first or last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Order {
+    First,
+    Last,
+}
+
+/// Whether the first event of this instance starts before or after that of all others of its noun.
+fn comes<'a, R: Reading<'a>>(
+    reading: &R,
+    clause: &Clause,
+    instance: &TrackedInstance,
+    noun: &str,
+    order: Order,
+) -> R::Degree {
+    let happens = |of: &TrackedInstance| any_of(events_of(reading, clause, of));
+    let own = happens(instance);
+    let (lead, jitter) = (reading.slack().at_least(LEAD_FRAMES), reading.jitter_frames());
+    reading.world().instances().fold(own.ever(), |so_far, other| {
+        let is_beaten = || {
+            let theirs = happens(other);
+            theirs.ever().and(|| {
+                let (early, late) = if order == Order::First { (&own, &theirs) } else { (&theirs, &own) };
+                early.leads(late, lead, jitter).not()
+            })
+        };
+        so_far.and(|| reading.is_rival(instance, other, noun).and(is_beaten).not())
+    })
 }
 
 #[cfg(test)]

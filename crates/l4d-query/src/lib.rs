@@ -7,11 +7,14 @@ pub mod ast;
 pub mod eval;
 #[cfg(test)]
 mod fixture;
+mod nouns;
 mod obb;
 pub mod overlap;
 pub mod probes;
 pub mod prove;
+mod reading;
 pub mod relations;
+pub mod soft;
 pub mod stats;
 pub mod summary;
 mod text;

@@ -69,24 +69,26 @@ impl Obb {
         (plan.length() > UPRIGHT).then(|| plan.normalize())
     }
 
-    /// Whether a point lies inside the box scaled about its centre.
-    pub(crate) fn contains(&self, point: DVec3, scale: f64) -> bool {
+    /// How far inside the box, scaled about its centre, a point lies; below 0 outside, metres.
+    pub(crate) fn margin_m(&self, point: DVec3, scale: f64) -> f64 {
         let local = self.world_from_box.transpose() * (point - self.centre);
-        local.abs().cmple(self.half * scale).all()
+        (self.half * scale - local.abs()).min_element()
     }
 
-    /// Whether a point lies, in plan view, inside the footprint of the box scaled about its centre.
+    /// How far inside the footprint of the box, scaled about its centre, a point lies in plan view; below 0 outside,
+    /// metres.
     ///
     /// The footprint of a box is the sum of three segments, so a point is inside if it is within reach along the normal
     /// of each of its sides.
-    pub(crate) fn footprint_contains(&self, point: DVec2, scale: f64) -> bool {
+    pub(crate) fn footprint_margin_m(&self, point: DVec2, scale: f64) -> f64 {
         let offset = point - self.centre.truncate();
         let edges = self.edges().map(DVec3::truncate);
         let sides = edges.iter().filter(|edge| edge.length_squared() > 1e-12);
-        sides.map(|edge| edge.perp().normalize()).all(|normal| {
+        let margins = sides.map(|edge| edge.perp().normalize()).map(|normal| {
             let reach: f64 = edges.iter().map(|edge| edge.dot(normal).abs()).sum();
-            offset.dot(normal).abs() <= reach * scale
-        })
+            reach * scale - offset.dot(normal).abs()
+        });
+        margins.fold(f64::INFINITY, f64::min)
     }
 
     /// Distance between the two boxes, 0 where they meet.
@@ -153,11 +155,12 @@ mod tests {
     #[test]
     fn the_shadow_of_a_turned_box_is_turned() {
         let diamond = turned([0.0; 3], [1.0; 3], 45.0);
-        assert!(diamond.footprint_contains(DVec2::new(0.69, 0.0), 1.0));
-        assert!(!diamond.footprint_contains(DVec2::new(0.5, 0.5), 1.0));
-        assert!(!diamond.footprint_contains(DVec2::new(0.69, 0.0), 0.9));
-        assert!(diamond.contains(DVec3::new(0.69, 0.0, 0.4), 1.0));
-        assert!(!diamond.contains(DVec3::new(0.5, 0.5, 0.4), 1.0));
+        let footprint = |x: f64, y: f64, scale: f64| diamond.footprint_margin_m(DVec2::new(x, y), scale);
+        assert!(footprint(0.69, 0.0, 1.0) >= 0.0);
+        assert!(footprint(0.5, 0.5, 1.0) < 0.0);
+        assert!(footprint(0.69, 0.0, 0.9) < 0.0);
+        assert!(diamond.margin_m(DVec3::new(0.69, 0.0, 0.4), 1.0) >= 0.0);
+        assert!(diamond.margin_m(DVec3::new(0.5, 0.5, 0.4), 1.0) < 0.0);
     }
 
     #[test]

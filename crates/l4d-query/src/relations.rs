@@ -3,15 +3,16 @@
 //! `docs/queries.md` states the same definitions in words; the numbers are in `thresholds`. "In plan" means seen
 //! from above.
 
-use l4d_data::tracks::TrackedInstance;
+use l4d_data::tracks::{TrackedInstance, at_frame};
 
 use crate::ast::{Relation, Superlative};
 use crate::obb::Obb;
+use crate::reading::{Degree, Member, Reading, Truth, Unit, any_of};
 use crate::thresholds::{
-    BETWEEN_MARGIN, BETWEEN_OFFSET, CONE_DEG, DISTANCE_MARGIN, FACING_DEG, HEIGHT_MARGIN, ON_HEIGHT_SHARE,
-    Slack, UNDER_HEIGHT_SHARE, VOLUME_MARGIN, before_m, beside_m, higher_m,
+    BETWEEN_MARGIN, BETWEEN_OFFSET, CONE_DEG, CONTACT_BEGIN_M, CONTACT_END_M, DISTANCE_MARGIN, FACING_DEG,
+    HEIGHT_MARGIN, ON_HEIGHT_SHARE, Slack, UNDER_HEIGHT_SHARE, VOLUME_MARGIN, before_m, beside_m, higher_m,
 };
-use crate::times::{Times, any_of};
+use crate::times::Times;
 use crate::world::World;
 
 /// Distances below this are contact; no ratio is taken of less, metres.
@@ -27,162 +28,279 @@ pub fn related(
     others: &[&TrackedInstance],
     second: &[&TrackedInstance],
 ) -> Times {
-    let is_other = |other: &&&TrackedInstance| other.name != subject.name;
+    let [others, second] = [others, second].map(|of| of.iter().map(|one| (*one, true)).collect::<Vec<_>>());
+    relation(world, subject, kind, [&others, &second], &subject.category)
+}
+
+/// When `subject`, one of a noun, is in a relation to those of the first list, and for `between` of the second.
+pub(crate) fn relation<'a, R: Reading<'a>>(
+    reading: &R,
+    subject: &TrackedInstance,
+    kind: Relation,
+    [others, second]: [&[Member<'_, R::Degree>]; 2],
+    noun: &str,
+) -> R::Truth {
+    let slack = reading.slack();
+    let of = |list: &[Member<'_, R::Degree>], but: &[&TrackedInstance]| -> Vec<(usize, R::Degree)> {
+        let is_other = |one: &TrackedInstance| but.iter().all(|excluded| excluded.name != one.name);
+        let all = list.iter().enumerate().filter(|(_, (one, _))| is_other(one));
+        all.map(|(at, (_, degree))| (at, *degree)).collect()
+    };
     match kind {
-        Relation::ClosestTo => when(world, |now| now.beats_rivals(subject, others, true)),
-        Relation::FarthestFrom => when(world, |now| now.beats_rivals(subject, others, false)),
-        Relation::Between => any_of(others.iter().filter(is_other).flat_map(|first| {
-            let rest = second.iter().filter(is_other).filter(|other| other.name != first.name);
-            rest.map(|other| when(world, |now| now.is_between(subject, first, other)))
+        Relation::ClosestTo => beats_rivals(reading, subject, others, noun, true),
+        Relation::FarthestFrom => beats_rivals(reading, subject, others, noun, false),
+        Relation::Between => any_of(of(others, &[subject]).into_iter().flat_map(|(at, is_first)| {
+            let first = others[at].0;
+            of(second, &[subject, first]).into_iter().map(move |(at, is_second)| {
+                let pair = is_first.and(|| is_second);
+                when(reading, slack, |now| pair.and(|| now.is_between(subject, first, second[at].0)))
+            })
         })),
-        _ => any_of(others.iter().filter(is_other).map(|other| related_to(world, subject, kind, other))),
+        _ => any_of(of(others, &[subject]).into_iter().map(|(at, is_meant)| {
+            related_to(reading, slack, subject, kind, others[at].0).and(R::Truth::constant(is_meant))
+        })),
     }
 }
 
-fn related_to(
-    world: &World<'_>,
+fn related_to<'a, R: Reading<'a>>(
+    reading: &R,
+    slack: Slack,
     subject: &TrackedInstance,
     kind: Relation,
     other: &TrackedInstance,
-) -> Times {
+) -> R::Truth {
+    let world = reading.world();
+    let when = |test: &dyn Fn(Moment<'_, 'a, R>) -> R::Degree| when(reading, slack, test);
+    let touching = || contact(reading, slack, subject, other);
     match kind {
-        Relation::Touching => world.contact(subject, other),
-        Relation::On => world.contact(subject, other) & when(world, |now| now.rises_from(subject, other)),
-        Relation::In => world.contact(subject, other) & when(world, |now| now.is_inside(subject, other)),
-        Relation::Under => when(world, |now| now.is_under(subject, other)),
+        Relation::Touching => touching(),
+        Relation::On => touching().and(when(&|now| now.rises_from(subject, other))),
+        Relation::In => touching().and(when(&|now| now.is_inside(subject, other))),
+        Relation::Under => when(&|now| now.is_under(subject, other)),
         Relation::Beside => {
-            let opposite = world.with_slack(world.slack().opposite());
             let elsewhere = [Relation::On, Relation::In];
-            let elsewhere = any_of(elsewhere.map(|kind| related_to(&opposite, subject, kind, other)));
-            let reach = world.slack().at_most(beside_m(world.scale()));
-            elsewhere.complement() & Times::when(|frame| world.distance_m(subject, other, frame) <= reach)
+            let elsewhere = elsewhere.map(|kind| related_to(reading, slack.opposite(), subject, kind, other));
+            let reach = slack.at_most(beside_m(world.scale()));
+            let is_near = |now: Moment<'_, 'a, R>| {
+                now.at_most(world.distance_m(subject, other, now.frame), reach, Unit::Metres)
+            };
+            any_of(elsewhere).not().and(when(&is_near))
         }
-        Relation::InFrontOf => when(world, |now| now.is_before(subject, other, 1.0)),
-        Relation::Behind => when(world, |now| now.is_before(subject, other, -1.0)),
-        Relation::Facing => when(world, |now| now.is_facing(subject, other)),
-        Relation::Between | Relation::ClosestTo | Relation::FarthestFrom => Times::NEVER,
+        Relation::InFrontOf => when(&|now| now.is_before(subject, other, 1.0)),
+        Relation::Behind => when(&|now| now.is_before(subject, other, -1.0)),
+        Relation::Facing => when(&|now| now.is_facing(subject, other)),
+        Relation::Between | Relation::ClosestTo | Relation::FarthestFrom => {
+            R::Truth::constant(R::Degree::FALSE)
+        }
     }
 }
 
-/// When `subject` is the extreme of its category among the objects.
-pub fn is_extreme(world: &World<'_>, subject: &TrackedInstance, extreme: Superlative) -> Times {
-    let rivals: Vec<_> = rivals(world, subject).collect();
-    let slack = world.slack();
-    let beats = |measure: fn(&Obb) -> f64, margin: f64, sign: f64| {
-        let own = world.median(subject, measure);
-        let beaten = |rival: &&TrackedInstance| {
-            let (own, other) = (own.powf(sign), world.median(rival, measure).powf(sign));
-            own >= other * slack.at_least(margin)
-        };
-        Times::constant(rivals.iter().all(beaten))
+/// When two things touch: from [`CONTACT_BEGIN_M`] until [`CONTACT_END_M`].
+pub(crate) fn contact<'a, R: Reading<'a>>(
+    reading: &R,
+    slack: Slack,
+    a: &TrackedInstance,
+    b: &TrackedInstance,
+) -> R::Truth {
+    let Some(distances) = reading.world().near_m(a, b) else {
+        return R::Truth::constant(R::Degree::FALSE);
+    };
+    let (begin, end) = (slack.at_most(CONTACT_BEGIN_M), slack.at_most(CONTACT_END_M));
+    let mut touching = false;
+    R::Truth::when(|frame| {
+        let limit = if touching { end } else { begin };
+        let degree = reading.at_least(limit, *at_frame(distances, frame), Unit::Metres);
+        touching = degree.is_likely();
+        degree
+    })
+}
+
+/// When `subject`, one of a noun, is the extreme of the objects of that noun.
+pub(crate) fn extreme<'a, R: Reading<'a>>(
+    reading: &R,
+    subject: &TrackedInstance,
+    extreme: Superlative,
+    noun: &str,
+) -> R::Truth {
+    let (world, slack) = (reading.world(), reading.slack());
+    let rivals: Vec<_> = rivals(reading, subject, noun).collect();
+    let beats = |measure: fn(&Obb) -> f64, power: f64, margin: f64, sign: f64| {
+        let own = world.median(subject, measure).powf(sign);
+        let factor = slack.at_least(margin);
+        R::Truth::constant(beats_all(&rivals, |rival| {
+            let other = world.median(rival, measure).powf(sign);
+            reading.at_least(own, other * factor, Unit::Size(power))
+        }))
     };
     let is_above = |sign: f64| {
         let lead = slack.at_least(higher_m(world.scale()));
-        Times::when(|frame| {
+        R::Truth::when(|frame| {
             let own = world.obb(subject, frame).centre.z;
-            rivals.iter().all(|rival| sign * (own - world.obb(rival, frame).centre.z) >= lead)
+            beats_all(&rivals, |rival| {
+                let ahead = sign * (own - world.obb(rival, frame).centre.z);
+                reading.at_least(ahead, lead, Unit::Metres)
+            })
         })
     };
     match extreme {
-        Superlative::Largest => beats(Obb::volume, VOLUME_MARGIN, 1.0),
-        Superlative::Smallest => beats(Obb::volume, VOLUME_MARGIN, -1.0),
-        Superlative::Tallest => beats(Obb::height, HEIGHT_MARGIN, 1.0),
+        Superlative::Largest => beats(Obb::volume, 3.0, VOLUME_MARGIN, 1.0),
+        Superlative::Smallest => beats(Obb::volume, 3.0, VOLUME_MARGIN, -1.0),
+        Superlative::Tallest => beats(Obb::height, 1.0, HEIGHT_MARGIN, 1.0),
         Superlative::Highest => is_above(1.0),
         Superlative::Lowest => is_above(-1.0),
     }
 }
 
-fn rivals<'a>(
-    world: &World<'a>,
-    subject: &TrackedInstance,
-) -> impl Iterator<Item = &'a TrackedInstance> + use<'a> {
-    let (category, name) = (subject.category.clone(), subject.name.clone());
-    world.objects().filter(move |rival| rival.category == category && rival.name != name)
+/// The objects that `subject` is compared with, each with how sure it is that it is of the noun.
+fn rivals<'a, 'r, R: Reading<'a>>(
+    reading: &'r R,
+    subject: &'r TrackedInstance,
+    noun: &'r str,
+) -> impl Iterator<Item = Member<'a, R::Degree>> + 'r
+where
+    'a: 'r,
+{
+    let all = reading.world().objects().map(move |other| (other, reading.is_rival(subject, other, noun)));
+    all.filter(|(_, is_rival)| is_rival.is_possible())
 }
 
-/// A world at a frame.
-struct Moment<'w, 'a> {
-    world: &'w World<'a>,
+/// Whether the test holds for all rivals that are rivals.
+fn beats_all<D: Degree>(rivals: &[Member<'_, D>], beats: impl Fn(&TrackedInstance) -> D) -> D {
+    rivals
+        .iter()
+        .fold(D::TRUE, |so_far, (rival, is_rival)| so_far.and(|| is_rival.and(|| beats(rival).not()).not()))
+}
+
+/// When `subject` is closer to the nearest of `others`, or farther from it, than all it is compared with: its noun
+/// without itself and without the one that distances are taken to.
+fn beats_rivals<'a, R: Reading<'a>>(
+    reading: &R,
+    subject: &TrackedInstance,
+    others: &[Member<'_, R::Degree>],
+    noun: &str,
+    closer: bool,
+) -> R::Truth {
+    let is_target = |rival: &TrackedInstance| matches!(others, [(only, _)] if only.name == rival.name);
+    let rivals: Vec<_> = rivals(reading, subject, noun).filter(|(rival, _)| !is_target(rival)).collect();
+    let margin = reading.slack().at_least(DISTANCE_MARGIN);
+    when(reading, reading.slack(), |now| {
+        let Some(own) = now.nearest_m(subject, others) else { return R::Degree::FALSE };
+        beats_all(&rivals, |rival| {
+            let Some(other) = now.nearest_m(rival, others) else { return R::Degree::TRUE };
+            let (near, far) = if closer { (own, other) } else { (other, own) };
+            reading.at_least(far, near.max(NEAREST_M) * margin, Unit::Metres)
+        })
+    })
+}
+
+/// A reading at a frame.
+struct Moment<'r, 'a, R> {
+    reading: &'r R,
+    world: &'r World<'a>,
     slack: Slack,
     frame: u32,
 }
 
-fn when(world: &World<'_>, test: impl Fn(Moment<'_, '_>) -> bool) -> Times {
-    Times::when(|frame| test(Moment { world, slack: world.slack(), frame }))
+fn when<'a, R: Reading<'a>>(
+    reading: &R,
+    slack: Slack,
+    test: impl Fn(Moment<'_, 'a, R>) -> R::Degree,
+) -> R::Truth {
+    R::Truth::when(|frame| test(Moment { reading, world: reading.world(), slack, frame }))
 }
 
-impl Moment<'_, '_> {
+impl<'a, R: Reading<'a>> Moment<'_, 'a, R> {
     fn obb(&self, instance: &TrackedInstance) -> &Obb {
         self.world.obb(instance, self.frame)
     }
 
-    fn rises_from(&self, subject: &TrackedInstance, other: &TrackedInstance) -> bool {
+    fn at_most(&self, value: f64, limit: f64, unit: Unit) -> R::Degree {
+        self.reading.at_least(limit, value, unit)
+    }
+
+    /// Whether a height is truly above another.
+    fn is_above(&self, upper: f64, lower: f64) -> R::Degree {
+        self.reading.at_least(lower, upper, Unit::Metres).not()
+    }
+
+    fn is_over_footprint(&self, obb: &Obb, point: glam::DVec3) -> R::Degree {
+        let margin = obb.footprint_margin_m(point.truncate(), self.slack.at_most(1.0));
+        self.reading.at_least(margin, 0.0, Unit::Metres)
+    }
+
+    fn rises_from(&self, subject: &TrackedInstance, other: &TrackedInstance) -> R::Degree {
         let (above, below) = (self.obb(subject), self.obb(other));
-        below.footprint_contains(above.centre.truncate(), self.slack.at_most(1.0))
-            && above.centre.z >= below.bottom() + self.slack.at_least(ON_HEIGHT_SHARE) * below.height()
-            && above.rounded().0 > below.bottom()
+        let least = below.bottom() + self.slack.at_least(ON_HEIGHT_SHARE) * below.height();
+        self.is_over_footprint(below, above.centre)
+            .and(|| self.reading.at_least(above.centre.z, least, Unit::Metres))
+            .and(|| self.is_above(above.rounded().0, below.bottom()))
     }
 
-    fn is_inside(&self, subject: &TrackedInstance, other: &TrackedInstance) -> bool {
+    fn is_inside(&self, subject: &TrackedInstance, other: &TrackedInstance) -> R::Degree {
         let (inner, outer) = (self.obb(subject), self.obb(other));
-        outer.contains(inner.centre, self.slack.at_most(1.0)) && inner.rounded().0 > outer.bottom()
+        let margin = outer.margin_m(inner.centre, self.slack.at_most(1.0));
+        self.reading
+            .at_least(margin, 0.0, Unit::Metres)
+            .and(|| self.is_above(inner.rounded().0, outer.bottom()))
     }
 
-    fn is_under(&self, subject: &TrackedInstance, other: &TrackedInstance) -> bool {
+    fn is_under(&self, subject: &TrackedInstance, other: &TrackedInstance) -> R::Degree {
         let (below, above) = (self.obb(subject), self.obb(other));
         let (bottom, top) = below.rounded();
-        above.footprint_contains(below.centre.truncate(), self.slack.at_most(1.0))
-            && top <= above.top()
-            && bottom <= above.bottom() + self.slack.at_most(UNDER_HEIGHT_SHARE) * above.height()
-            && below.centre.z < above.centre.z
+        let most = above.bottom() + self.slack.at_most(UNDER_HEIGHT_SHARE) * above.height();
+        self.is_over_footprint(above, below.centre)
+            .and(|| self.at_most(top, above.top(), Unit::Metres))
+            .and(|| self.at_most(bottom, most, Unit::Metres))
+            .and(|| self.is_above(above.centre.z, below.centre.z))
     }
 
-    fn is_between(&self, subject: &TrackedInstance, a: &TrackedInstance, b: &TrackedInstance) -> bool {
+    fn is_between(&self, subject: &TrackedInstance, a: &TrackedInstance, b: &TrackedInstance) -> R::Degree {
         let [start, end, point] = [a, b, subject].map(|instance| self.obb(instance).centre.truncate());
         let along = end - start;
         let length = along.length();
         if length < NEAREST_M {
-            return false;
+            return R::Degree::FALSE;
         }
         let share = (point - start).dot(along) / (length * length);
         let offset = (point - start - along * share).length();
-        share.min(1.0 - share) >= self.slack.at_least(BETWEEN_MARGIN)
-            && offset <= self.slack.at_most(BETWEEN_OFFSET) * length
+        let least = self.slack.at_least(BETWEEN_MARGIN);
+        self.reading
+            .at_least(share.min(1.0 - share), least, Unit::ShareOf(length))
+            .and(|| self.at_most(offset, self.slack.at_most(BETWEEN_OFFSET) * length, Unit::Metres))
     }
 
     /// Distance to the nearest of `others` that is not `subject`.
-    fn nearest_m(&self, subject: &TrackedInstance, others: &[&TrackedInstance]) -> Option<f64> {
-        let others = others.iter().filter(|other| other.name != subject.name);
-        others.map(|other| self.world.distance_m(subject, other, self.frame)).min_by(f64::total_cmp)
-    }
-
-    /// Whether `subject` is closer to the nearest of `others`, or farther from it, than all it is compared with: its
-    /// category without itself and without the one that distances are taken to.
-    fn beats_rivals(&self, subject: &TrackedInstance, others: &[&TrackedInstance], closer: bool) -> bool {
-        let Some(own) = self.nearest_m(subject, others) else { return false };
-        let margin = self.slack.at_least(DISTANCE_MARGIN);
-        let is_rival = |rival: &&TrackedInstance| !matches!(others, [only] if only.name == rival.name);
-        rivals(self.world, subject).filter(is_rival).all(|rival| {
-            let Some(other) = self.nearest_m(rival, others) else { return true };
-            let (near, far) = if closer { (own, other) } else { (other, own) };
-            far >= near.max(NEAREST_M) * margin
-        })
+    fn nearest_m(&self, subject: &TrackedInstance, others: &[Member<'_, R::Degree>]) -> Option<f64> {
+        let others = others.iter().filter(|(other, _)| other.name != subject.name);
+        self.reading.nearest(
+            others.map(|(other, degree)| (self.world.distance_m(subject, other, self.frame), *degree)),
+        )
     }
 
     /// Whether `subject` is in the cone that opens from the centre of `other` to its front (`sign` 1) or back (-1).
-    fn is_before(&self, subject: &TrackedInstance, other: &TrackedInstance, sign: f64) -> bool {
-        let angle = self.front_angle_deg(other, subject, sign);
-        angle.is_some_and(|angle| angle <= self.slack.at_most(CONE_DEG))
-            && self.world.distance_m(subject, other, self.frame)
-                <= self.slack.at_most(before_m(self.world.scale()))
+    fn is_before(&self, subject: &TrackedInstance, other: &TrackedInstance, sign: f64) -> R::Degree {
+        let reach = self.slack.at_most(before_m(self.world.scale()));
+        self.is_ahead(other, subject, sign, CONE_DEG)
+            .and(|| self.at_most(self.world.distance_m(subject, other, self.frame), reach, Unit::Metres))
     }
 
-    fn is_facing(&self, subject: &TrackedInstance, other: &TrackedInstance) -> bool {
-        let angle = self.front_angle_deg(subject, other, 1.0);
-        angle.is_some_and(|angle| angle <= self.slack.at_most(FACING_DEG))
+    fn is_facing(&self, subject: &TrackedInstance, other: &TrackedInstance) -> R::Degree {
+        self.is_ahead(subject, other, 1.0, FACING_DEG)
     }
 
-    /// Angle in plan between the front of `viewer` (times `sign`) and the direction to the centre of `target`, degrees.
+    /// Whether the front of `viewer` (times `sign`) points in plan within an angle of the centre of `target`.
+    fn is_ahead(
+        &self,
+        viewer: &TrackedInstance,
+        target: &TrackedInstance,
+        sign: f64,
+        within_deg: f64,
+    ) -> R::Degree {
+        let angle = self.front_angle_deg(viewer, target, sign);
+        let limit = self.slack.at_most(within_deg);
+        angle.map_or(R::Degree::UNKNOWN, |angle| self.at_most(angle, limit, Unit::Degrees))
+    }
+
     fn front_angle_deg(&self, viewer: &TrackedInstance, target: &TrackedInstance, sign: f64) -> Option<f64> {
         let here = self.obb(viewer);
         let front = here.plan_direction(viewer.front.as_deref()?)? * sign;
@@ -270,14 +388,30 @@ mod tests {
         ];
         let tracks = tracks(&instances, "", "");
         let world = World::new(&tracks);
-        let extreme = |which: Superlative| -> Vec<&str> {
-            let found = world.objects().filter(|object| is_extreme(&world, object, which).all());
+        let extremes = |which: Superlative| -> Vec<&str> {
+            let found = world.objects().filter(|object| extreme(&world, object, which, "block").all());
             found.map(|object| object.name.as_str()).collect()
         };
-        assert_eq!(extreme(Superlative::Largest), ["big"]);
-        assert_eq!(extreme(Superlative::Smallest), ["small"]);
-        assert_eq!(extreme(Superlative::Tallest), ["long"]);
-        assert_eq!(extreme(Superlative::Lowest), ["big"]);
-        assert!(extreme(Superlative::Highest).is_empty());
+        assert_eq!(extremes(Superlative::Largest), ["big"]);
+        assert_eq!(extremes(Superlative::Smallest), ["small"]);
+        assert_eq!(extremes(Superlative::Tallest), ["long"]);
+        assert_eq!(extremes(Superlative::Lowest), ["big"]);
+        assert!(extremes(Superlative::Highest).is_empty());
+    }
+
+    #[test]
+    fn contact_has_hysteresis() {
+        let instances = [
+            standing(1, "a", "cup", [0., 0., 0.], [0.1; 3]),
+            standing(2, "b", "cup", [1., 0., 0.], [0.1; 3]),
+        ];
+        let mut distances = [0.1; 97];
+        distances[10..50].fill(0.015);
+        distances[20] = 0.004;
+        let tracks = tracks(&instances, "", &pair("a", "b", &distances));
+        let world = World::new(&tracks);
+        let [a, b] = ["a", "b"].map(|name| world.instance(name).unwrap());
+        let contact: Times = contact(&world, Slack::Nominal, a, b);
+        assert_eq!(contact.intervals(), [l4d_data::Interval::new(20, 49).unwrap()]);
     }
 }

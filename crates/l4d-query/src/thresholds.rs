@@ -60,6 +60,15 @@ pub const fn higher_m(scale: Scale) -> f64 {
     }
 }
 
+/// Slowest mean speed of the box centre of what walks, rolls or flies, metres a second.
+pub const fn moves_mps(scale: Scale) -> f64 {
+    match scale {
+        Scale::Outdoor => 0.15,
+        Scale::Room => 0.10,
+        Scale::Tabletop => 0.02,
+    }
+}
+
 /// How strictly the thresholds are meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Slack {

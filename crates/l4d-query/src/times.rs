@@ -36,6 +36,16 @@ impl Times {
         self.0 >> frame & 1 == 1
     }
 
+    /// The first frame.
+    pub fn first(self) -> Option<u32> {
+        self.any().then(|| self.0.trailing_zeros())
+    }
+
+    /// The last frame.
+    pub fn last(self) -> Option<u32> {
+        self.any().then(|| u128::BITS - 1 - self.0.leading_zeros())
+    }
+
     /// Whether it ever holds.
     pub fn any(self) -> bool {
         self != Self::NEVER
@@ -122,6 +132,8 @@ mod tests {
         assert_eq!(times.complement().intervals(), [interval(21, 39)]);
         assert_eq!(times.count() + times.complement().count(), FRAME_COUNT);
         assert!(Times::ALWAYS.all() && !Times::NEVER.any());
+        assert_eq!((times.first(), times.last()), (Some(0), Some(96)));
+        assert_eq!((Times::of(interval(7, 9)).first(), Times::NEVER.last()), (Some(7), None));
     }
 
     #[test]

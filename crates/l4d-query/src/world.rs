@@ -10,8 +10,7 @@ use l4d_data::tracks::{Pair, TrackedInstance, Tracks, at_frame};
 use l4d_data::{Event, Role, Scale};
 
 use crate::obb::Obb;
-use crate::thresholds::{CONTACT_BEGIN_M, CONTACT_END_M, Slack};
-use crate::times::Times;
+use crate::thresholds::{CONTACT_END_M, Slack};
 
 /// A scene over time, with the slack that thresholds have.
 #[derive(Debug, Clone)]
@@ -109,16 +108,13 @@ impl<'a> World<'a> {
         })
     }
 
-    /// When two instances touch: from [`CONTACT_BEGIN_M`] until [`CONTACT_END_M`].
-    pub fn contact(&self, a: &TrackedInstance, b: &TrackedInstance) -> Times {
-        let Some(pair) = self.pair(a, b) else { return Times::NEVER };
-        let (begin, end) = (self.slack.at_most(CONTACT_BEGIN_M), self.slack.at_most(CONTACT_END_M));
-        let mut touching = false;
-        Times::when(|frame| {
-            let distance = *at_frame(&pair.distance_m, frame);
-            touching = distance <= if touching { end } else { begin };
-            touching
-        })
+    /// Distances of two instances that may touch, metres: between surfaces where the tracks have them, between boxes
+    /// where the tracks promise nothing of pairs that they leave out.
+    pub(crate) fn near_m(&self, a: &TrackedInstance, b: &TrackedInstance) -> Option<&[f64]> {
+        match self.pair(a, b) {
+            Some(pair) => Some(&pair.distance_m),
+            None => (self.stage.tracks.pair_reach_m < CONTACT_END_M).then(|| self.gap_m(a, b)),
+        }
     }
 
     /// The exact distance of a pair over time, if the tracks have it.
@@ -166,20 +162,5 @@ mod tests {
         };
         assert_eq!(distance(&with_pair), 0.123);
         assert!((distance(&without) - 0.1).abs() < 1e-12);
-    }
-
-    #[test]
-    fn contact_has_hysteresis() {
-        let instances = [
-            standing(1, "a", "cup", [0., 0., 0.], [0.1; 3]),
-            standing(2, "b", "cup", [1., 0., 0.], [0.1; 3]),
-        ];
-        let mut distances = [0.1; 97];
-        distances[10..50].fill(0.015);
-        distances[20] = 0.004;
-        let tracks = tracks(&instances, "", &pair("a", "b", &distances));
-        let world = World::new(&tracks);
-        let contact = world.contact(world.instance("a").unwrap(), world.instance("b").unwrap());
-        assert_eq!(contact.intervals(), [l4d_data::Interval::new(20, 49).unwrap()]);
     }
 }

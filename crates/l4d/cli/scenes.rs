@@ -177,3 +177,30 @@ pub(crate) struct ComposeArgs {
     #[arg(long)]
     pub(crate) json: bool,
 }
+
+#[derive(Debug, Args)]
+pub(crate) struct ArrangeArgs {
+    /// Folder of the pictures; arrangements that are there are kept
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// The first seed; training seeds begin with 1000
+    #[arg(long, default_value_t = 100_000)]
+    pub(crate) seed: u64,
+    /// How many seeds; each is laid out three times
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub(crate) count: u64,
+    /// Pictures of each layout
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=17))]
+    pub(crate) views: u32,
+    /// Light samples a pixel
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(crate) samples: u32,
+    /// Blender processes at once
+    #[arg(long, default_value_t = 1)]
+    pub(crate) jobs: usize,
+    #[command(flatten)]
+    pub(crate) python: PythonArgs,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}

@@ -17,6 +17,8 @@ use super::{BenchArgs, number, one_of};
 pub(crate) enum GrounderArg {
     /// Geometry and colour of the clips: no model, no truth
     Geometric,
+    /// A trained network, whose weights are in --weights (docs/network.md)
+    Panoptic,
     /// The truth of the training views, with the errors of --noise; never ranked
     Oracle,
     /// Masks that were made elsewhere, in --masks
@@ -29,6 +31,7 @@ impl GrounderArg {
     pub(crate) fn as_str(self) -> &'static str {
         match self {
             Self::Geometric => "geometric",
+            Self::Panoptic => "panoptic",
             Self::Oracle => "oracle",
             Self::Files => "files",
             Self::Model => "model",
@@ -51,6 +54,9 @@ pub(crate) struct MethodArgs {
     /// Which segmenter, and how it is coupled with a vision-language model (docs/workers.md)
     #[arg(long, value_name = "TOML", required_if_eq("grounder", "model"))]
     pub(crate) grounder_file: Option<PathBuf>,
+    /// Folder of perception.onnx and perception.json
+    #[arg(long, value_name = "DIR", required_if_eq("grounder", "panoptic"))]
+    pub(crate) weights: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) server: ServerArgs,
     /// Rules and constants that belong together: what holds up where the paper is silent (robust), or as the paper writes

@@ -38,6 +38,8 @@ pub(crate) struct Track {
 /// A thing at a moment.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Glimpse {
+    /// Which of the things of its picture it is; 0 where that is not told.
+    pub(crate) number: usize,
     /// Its pixels.
     pub(crate) mask: Mask,
     /// Number of its pixels.

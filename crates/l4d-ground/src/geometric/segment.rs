@@ -264,6 +264,7 @@ pub(crate) fn glimpse(surface: &Surface, members: &[u32]) -> Glimpse {
     let step = members.len().div_ceil(SAMPLES).max(1);
     let samples = || members.iter().skip(step / 2).step_by(step).map(|&index| index as usize);
     Glimpse {
+        number: 0,
         mask,
         area_px: members.len() as u64,
         bounds,

@@ -6,6 +6,8 @@ use std::path::Path;
 use l4d_data::tracks::{TrackedInstance, at_frame};
 use l4d_data::{Event, Report, Scale};
 
+use crate::relations::contact;
+use crate::thresholds::moves_mps;
 use crate::verbs;
 use crate::world::World;
 
@@ -15,15 +17,6 @@ const HOLD_M: f64 = 0.02;
 const EDGE_FRAMES: u32 = 3;
 /// What moves by less than this in a whole interval doesn't act at all, metres.
 const STIRS_M: f64 = 0.001;
-
-/// Slowest mean speed of the box centre of what walks, rolls or flies, metres a second.
-const fn moves_mps(scale: Scale) -> f64 {
-    match scale {
-        Scale::Outdoor => 0.15,
-        Scale::Room => 0.10,
-        Scale::Tabletop => 0.02,
-    }
-}
 
 /// Farthest that the box centre of what stands, sits or lies strays from its mean in plan, metres: arms wave and
 /// heads turn, and the box follows them.
@@ -127,7 +120,7 @@ impl Declared<'_, '_> {
 
 fn is_on_treadmill(world: &World<'_>, subject: &TrackedInstance, frame: u32) -> bool {
     let mut machines = world.instances().filter(|instance| instance.category == "treadmill");
-    machines.any(|machine| world.contact(subject, machine).at(frame))
+    machines.any(|machine| contact(world, world.slack(), subject, machine).at(frame))
 }
 
 /// Length of the path of the box centre, metres.

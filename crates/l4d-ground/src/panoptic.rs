@@ -1,0 +1,252 @@
+//! The grounder that sees: a trained network finds things and says what they may be, the sentence is read, and the
+//! predicate is judged by degrees on what was seen.
+//!
+//! One view at a time, as in the paper: what it gets wrong it gets wrong for this view, and other views may vote it
+//! down. Owns no rule of English and no meaning of a clause: `l4d-english` reads, `l4d-query` judges.
+
+mod believe;
+mod look;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use l4d_data::store::read_bounded;
+use l4d_data::{Role, StageError, Temporal};
+use l4d_english::{Reading, Unread, Vocabulary, Words, understand};
+use l4d_masks::Mask;
+use l4d_network::{Description, Network, WeightsError};
+use l4d_query::soft::{Ranked, rank};
+use l4d_query::verbs;
+use serde_json::{Value, json};
+
+use self::believe::believed;
+use self::look::{Looked, look};
+use crate::clip::ViewClip;
+use crate::geometric::lab::LabTable;
+use crate::grounder::{Grounder, Grounding, Outcome, Question};
+use crate::unreadable::{Reason, Unreadable};
+
+/// Clips whose findings are kept: the views of one scene and some more.
+const REMEMBERED: usize = 16;
+/// Largest file of weights, or description of them.
+const MOST_BYTES: u64 = 1 << 28;
+/// Things that are told of in notes.
+const TOLD: usize = 3;
+
+/// The panoptic grounder.
+pub struct Panoptic {
+    network: Network,
+    words: Vocabulary,
+    table: LabTable,
+    /// Digest of a clip -> what is seen in it; the latest last.
+    remembered: Mutex<Vec<(String, Arc<Looked>)>>,
+}
+
+impl Panoptic {
+    /// The grounder with the weights in a folder: `perception.onnx`, and `perception.json` that describes them.
+    ///
+    /// # Errors
+    /// Files that cannot be read, and weights that cannot be run.
+    pub fn open(folder: &Path) -> Result<Self, StageError> {
+        let [weights, described] = ["perception.onnx", "perception.json"].map(|name| folder.join(name));
+        let description = read_bounded(&described, MOST_BYTES)?;
+        let description = String::from_utf8_lossy(&description);
+        let bytes = read_bounded(&weights, MOST_BYTES)?;
+        Self::new(bytes, &description).map_err(|error| {
+            let message = format!("{}: {error}", weights.display());
+            StageError::new(message, "docs/network.md says how weights are made")
+        })
+    }
+
+    /// The grounder with these weights.
+    ///
+    /// # Errors
+    /// Weights that cannot be run.
+    pub fn new(weights: Vec<u8>, description: &str) -> Result<Self, WeightsError> {
+        let network = Network::load(weights, description)?;
+        Ok(Self {
+            words: vocabulary(network.description()),
+            network,
+            table: LabTable::new(),
+            remembered: Mutex::default(),
+        })
+    }
+
+    /// What a sentence means.
+    fn read(&self, text: &str) -> Result<Reading, Unreadable> {
+        let words = Words::of_vocabulary(&self.words);
+        let mut readings = understand(text, &words).map_err(|unread| match unread {
+            Unread::Word(word) => Unreadable::words(Reason::Unknown, [&word]),
+            other => Unreadable::whole(other.to_string()),
+        })?;
+        let best = readings.swap_remove(0);
+        if best.predicate.discriminating().next().is_none() {
+            let noun = best.predicate.noun().to_owned();
+            return Err(Unreadable::words(Reason::Bare, [&noun]));
+        }
+        Ok(best)
+    }
+
+    /// What is seen in a clip: worked out once, then remembered for the other questions.
+    fn looked(&self, clip: &ViewClip) -> Result<Arc<Looked>, WeightsError> {
+        let digest = clip.digest();
+        let known = |entries: &[(String, Arc<Looked>)]| {
+            entries.iter().find(|(key, _)| *key == digest).map(|(_, seen)| Arc::clone(seen))
+        };
+        // A panic elsewhere leaves nothing half-written here.
+        if let Some(seen) = known(&self.remembered.lock().unwrap_or_else(PoisonError::into_inner)) {
+            return Ok(seen);
+        }
+        let seen = Arc::new(look(clip, &self.network, &self.table)?);
+        let mut entries = self.remembered.lock().unwrap_or_else(PoisonError::into_inner);
+        if entries.len() >= REMEMBERED {
+            entries.remove(0);
+        }
+        entries.push((digest, Arc::clone(&seen)));
+        Ok(seen)
+    }
+}
+
+impl Grounder for Panoptic {
+    fn identity(&self) -> Value {
+        json!({
+            "kind": "panoptic",
+            "version": 1,
+            "weights": self.network.description().sha256,
+        })
+    }
+
+    fn reads(&self, text: &str) -> Result<(), Unreadable> {
+        self.read(text).map(|_| ())
+    }
+
+    fn knows(&self) -> Option<String> {
+        let description = self.network.description();
+        Some(format!(
+            "{} kinds of things and {} of their properties (`l4d query SCENE --words` lists them)",
+            description.kinds.len() - 1,
+            description.values.len(),
+        ))
+    }
+
+    fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
+        let reading = match self.read(&question.text) {
+            Ok(reading) => reading,
+            Err(unread) => return Grounding::without_answer(Outcome::Unsupported(unread)),
+        };
+        let (predicate, temporal) = (&reading.predicate, reading.temporal);
+        let looked = match self.looked(clip) {
+            Ok(looked) => looked,
+            Err(error) => return Grounding::without_answer(Outcome::Error(error.to_string())),
+        };
+        let mut notes = vec![format!("reads the sentence as {predicate}")];
+        notes.extend(reading.note());
+        let ranked = match believed(&looked, self.network.description(), predicate) {
+            Some(tracks) => match tracks.belief() {
+                Ok(belief) => rank(&belief, predicate, temporal),
+                Err(error) => return Grounding::without_answer(Outcome::Error(error.to_string())),
+            },
+            None => Vec::new(),
+        };
+        notes.push(format!("sees {} things", looked.perceived.tracks.len()));
+        notes.extend(ranked.iter().take(TOLD).map(|one| told(one, &looked, self.network.description())));
+        let masks = ranked.first().map_or_else(BTreeMap::new, |best| masks_of(best, temporal, &looked));
+        let is_asked = |frame: u32| question.range.is_none_or(|range| range.contains(frame));
+        let masks = masks.into_iter().filter(|(frame, _)| is_asked(*frame)).collect();
+        Grounding::of_masks(clip, masks, notes)
+    }
+}
+
+/// The words of a network, and the verbs that boxes may tell of. It says of nothing that it is a mere landmark.
+fn vocabulary(description: &Description) -> Vocabulary {
+    let mut words = Vocabulary::default();
+    words.nouns.extend(description.nouns().map(|noun| (noun.to_owned(), Role::Object)));
+    for (key, value) in &description.values {
+        words.attributes.entry(key.clone()).or_default().insert(value.clone());
+    }
+    words.verbs.extend(verbs::lexicon().into_iter().map(str::to_owned));
+    words
+}
+
+/// The masks of the thing that is meant, in the frames in which it is.
+fn masks_of(best: &Ranked, temporal: Temporal, looked: &Looked) -> BTreeMap<u32, Mask> {
+    let Some(track) = looked.track(&best.name) else { return BTreeMap::new() };
+    let likely = best.when.likely();
+    let is_open =
+        |frame: u32| temporal == Temporal::Whole || likely.at(looked.perceived.timeline.canonical(frame));
+    track
+        .seen()
+        .map(|(index, glimpse)| (looked.perceived.frames[index], glimpse))
+        .filter(|(frame, _)| is_open(*frame))
+        .map(|(frame, glimpse)| (frame, glimpse.mask.clone()))
+        .collect()
+}
+
+/// A candidate, for people.
+fn told(one: &Ranked, looked: &Looked, description: &Description) -> String {
+    let kind = looked.likeliest(&one.name, description);
+    let clauses: Vec<String> = one.clauses.iter().map(|degree| format!("{degree:.2}")).collect();
+    format!("{}, perhaps a {kind}: clauses {}, confidence {:.2}", one.name, clauses.join(" "), one.confidence)
+}
+
+#[cfg(test)]
+mod tests {
+    use half::f16;
+
+    use super::*;
+    use crate::testing::{asked_from, clip, sentence};
+
+    /// A tiny network with drawn weights: what it finds means nothing, and is the same every time.
+    fn grounder() -> Panoptic {
+        Panoptic::open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../l4d-network/tests/data")).unwrap()
+    }
+
+    /// A wall of coloured stripes a metre away.
+    fn wall() -> ViewClip {
+        let mut clip = clip(96, 64, &[0, 12, 24, 36]);
+        for seen in &mut clip.frames {
+            for (column, row, pixel) in seen.colour.enumerate_pixels_mut() {
+                *pixel = [(column * 5) as u8, (row * 3) as u8, ((column / 12) * 30) as u8].into();
+            }
+            seen.depth.depth_m.fill(1.0);
+            seen.depth.alpha.fill(f16::ONE);
+        }
+        clip
+    }
+
+    #[test]
+    fn a_guess_is_better_than_no_answer_and_always_the_same() {
+        let (grounder, question) = (grounder(), sentence("The red cup"));
+        let grounding = grounder.ground(&wall(), &question);
+        assert_eq!(grounding.outcome, Outcome::Found, "{:?}", grounding.notes);
+        assert_eq!(grounding.masks.len(), 4);
+        assert!(grounding.notes[0].contains("cup"), "{:?}", grounding.notes);
+        assert_eq!(super::tests::grounder().ground(&wall(), &question), grounding);
+        let asked = grounder.ground(&wall(), &asked_from(question, 12, 24));
+        assert!(asked.masks[&0].is_empty() && asked.masks[&12] == grounding.masks[&12]);
+    }
+
+    #[test]
+    fn what_has_no_depth_is_nowhere() {
+        let grounding = grounder().ground(&clip(96, 64, &[0, 12]), &sentence("The red cup"));
+        assert_eq!(grounding.outcome, Outcome::Absent);
+    }
+
+    #[test]
+    fn sentences_that_mean_nothing_are_unsupported() {
+        let grounder = grounder();
+        for text in ["", "the cup", "der rote Eimer neben der Katze", &"very ".repeat(500)] {
+            let unread = grounder.reads(text).unwrap_err();
+            assert!(!unread.to_string().is_empty());
+            let outcome = grounder.ground(&wall(), &sentence(text)).outcome;
+            assert!(matches!(outcome, Outcome::Unsupported(_)), "{text:.20}: {outcome:?}");
+        }
+    }
+
+    #[test]
+    fn weights_that_are_not_there_are_named() {
+        let error = Panoptic::open(Path::new("/nonexistent")).err().unwrap();
+        assert!(error.to_string().contains("perception.json"), "{error}");
+    }
+}

@@ -1,0 +1,146 @@
+//! What a network sees in a clip: things over time, what each may be called, and what it looks like.
+//!
+//! Frames are looked at one by one; what is the same thing in the next frame is where it was, as large and of the same
+//! colour. Knows nothing of sentences.
+
+use glam::DVec2;
+use l4d_data::parallel::in_parallel;
+use l4d_data::{Name, Scale};
+use l4d_network::{Description, Network, Picture, Seen, WeightsError};
+
+use crate::clip::{ClipFrame, ViewClip};
+use crate::geometric::lab::LabTable;
+use crate::geometric::link::link;
+use crate::geometric::perceive::{Glimpse, Perceived, Track, median};
+use crate::geometric::segment::glimpse;
+use crate::geometric::stage::name_of;
+use crate::geometric::surface::Surface;
+
+/// Median depth up to which a scene is a tabletop, and up to which it is a room; metres.
+const SCALE_DEPTH_M: [f64; 2] = [1.7, 5.0];
+/// Least pixels of a thing, as a share of the picture.
+const LEAST_SHARE: f64 = 0.0003;
+/// Pixels from which one glimpse of a thing counts fully.
+const FULL_PX: f64 = 400.0;
+
+/// What is seen over a clip, and what each track may be.
+pub(super) struct Looked {
+    pub(super) perceived: Perceived,
+    /// Mean of the logarithms of the probabilities of kinds, by track.
+    pub(super) kinds: Vec<Vec<f32>>,
+    /// Mean logits of values, by track.
+    pub(super) values: Vec<Vec<f32>>,
+}
+
+impl Looked {
+    /// The track of that name.
+    pub(super) fn track(&self, name: &Name) -> Option<&Track> {
+        self.number(name).and_then(|number| self.perceived.tracks.get(number))
+    }
+
+    /// The noun that fits it best.
+    pub(super) fn likeliest<'d>(&self, name: &Name, description: &'d Description) -> &'d str {
+        let kinds = self.number(name).and_then(|number| self.kinds.get(number));
+        let best = kinds.and_then(|kinds| (1..kinds.len()).max_by(|a, b| kinds[*a].total_cmp(&kinds[*b])));
+        best.and_then(|best| description.kinds.get(best)).map_or("thing", String::as_str)
+    }
+
+    fn number(&self, name: &Name) -> Option<usize> {
+        (0..self.perceived.tracks.len()).find(|number| name_of(*number).as_ref() == Some(name))
+    }
+}
+
+/// Looks at every frame of a clip, several at once; what is seen does not depend on how many.
+pub(super) fn look(clip: &ViewClip, network: &Network, table: &LabTable) -> Result<Looked, WeightsError> {
+    let seen = look_at_all(clip, network)?;
+    let frames: Vec<u32> = clip.frame_numbers().collect();
+    let surfaces: Vec<Surface> = clip.frames.iter().map(|frame| Surface::new(clip, frame, table)).collect();
+    let glimpses = seen.iter().zip(&surfaces).map(|(seen, surface)| glimpses_of(seen, surface));
+    let seconds: Vec<f64> = frames.iter().map(|&frame| clip.timeline.seconds(frame)).collect();
+    let chains = link(glimpses.collect(), &seconds);
+    let least = (frames.len() / 12).clamp(1, 4);
+    let tracks: Vec<Track> = chains
+        .into_iter()
+        .filter(|chain| chain.iter().flatten().count() >= least)
+        .map(|glimpses| Track { glimpses })
+        .collect();
+    let depths = surfaces.iter().take(1).flat_map(|surface| surface.depth_m.iter().step_by(7));
+    let depths = depths.filter(|depth_m| depth_m.is_finite()).map(|&depth_m| f64::from(depth_m));
+    let median_depth_m = median(depths.collect());
+    let middle = frames.get(frames.len() / 2).copied().unwrap_or(0);
+    let (kinds, values) = tracks.iter().map(|track| described(track, &seen)).unzip();
+    let perceived = Perceived {
+        tracks,
+        timeline: clip.timeline,
+        scale: scale_of(median_depth_m),
+        spacing_m: median_depth_m / clip.camera.fx.max(1e-9),
+        eye: clip.camera.unproject(middle, DVec2::ZERO, 0.0),
+        focus: None,
+        levels_m: Vec::new(),
+        frames,
+    };
+    Ok(Looked { perceived, kinds, values })
+}
+
+fn look_at_all(clip: &ViewClip, network: &Network) -> Result<Vec<Seen>, WeightsError> {
+    let jobs = std::thread::available_parallelism().map_or(1, usize::from);
+    in_parallel(&clip.frames, jobs, |frame| network.look(&picture_of(frame)))
+}
+
+fn picture_of(frame: &ClipFrame) -> Picture {
+    let (width, height) = frame.colour.dimensions();
+    let colour = frame.colour.as_raw().iter().map(|value| f32::from(*value) / 255.0).collect();
+    Picture { width: width as usize, height: height as usize, colour }
+}
+
+/// The things of a frame that have depth; what has none is nowhere.
+fn glimpses_of(seen: &Seen, surface: &Surface) -> Vec<Glimpse> {
+    let least = ((seen.labels.len() as f64 * LEAST_SHARE) as usize).max(4);
+    let mut members: Vec<Vec<u32>> = vec![Vec::new(); seen.found.len()];
+    for (index, label) in seen.labels.iter().enumerate() {
+        if *label > 0 && surface.is_known(index) {
+            members[*label as usize - 1].push(index as u32);
+        }
+    }
+    members
+        .iter()
+        .enumerate()
+        .filter(|(_, members)| members.len() >= least)
+        .map(|(number, members)| Glimpse { number, ..glimpse(surface, members) })
+        .collect()
+}
+
+/// Means over the glimpses of a track; larger ones count more.
+fn described(track: &Track, seen: &[Seen]) -> (Vec<f32>, Vec<f32>) {
+    let mut kinds: Vec<f32> = Vec::new();
+    let mut values: Vec<f32> = Vec::new();
+    let mut total = 0.0;
+    for (index, glimpse) in track.seen() {
+        let Some(found) = seen[index].found.get(glimpse.number) else { continue };
+        let share = (glimpse.area_px as f64).min(FULL_PX).sqrt() as f32;
+        kinds.resize(found.kinds.len(), 0.0);
+        values.resize(found.values.len(), 0.0);
+        kinds.iter_mut().zip(log_softmax(&found.kinds)).for_each(|(sum, value)| *sum += share * value);
+        values.iter_mut().zip(&found.values).for_each(|(sum, value)| *sum += share * value);
+        total += share;
+    }
+    kinds.iter_mut().chain(&mut values).for_each(|sum| *sum /= total.max(1e-6));
+    (kinds, values)
+}
+
+pub(super) fn log_softmax(logits: &[f32]) -> Vec<f32> {
+    let most = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let total: f32 = logits.iter().map(|value| (value - most).exp()).sum();
+    logits.iter().map(|value| value - most - total.ln()).collect()
+}
+
+fn scale_of(median_depth_m: f64) -> Scale {
+    let [table, room] = SCALE_DEPTH_M;
+    if median_depth_m <= table {
+        Scale::Tabletop
+    } else if median_depth_m <= room {
+        Scale::Room
+    } else {
+        Scale::Outdoor
+    }
+}
