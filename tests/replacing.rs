@@ -35,7 +35,7 @@ fn lost(verb: &Verb, most: usize) -> Vec<String> {
     calm.succeed(verb.line);
     let before = stage.tree("");
     let is_hidden = |name: &str| name.rsplit('/').next().is_some_and(|file| file.starts_with('.'));
-    // A file that is called by its own digest is nobody else's.
+    // A file that is called by its own digest is no one else's.
     let is_meant = |name: &String| !is_hidden(name) && !name.ends_with(".safetensors");
     let mut written: Vec<String> = calm.tree("").into_keys().filter(is_meant).collect();
     written.retain(|name| !before.contains_key(name));
@@ -176,7 +176,8 @@ fn of_two_rounds_opened_at_once_one_is_there() {
     for _ in 0..10 {
         let dir = stage.copy();
         let runs: Vec<Run> = thread::scope(|scope| {
-            let started = lines.each_ref().map(|line| scope.spawn(|| dir.run(line)));
+            let dir = &dir;
+            let started = lines.each_ref().map(|line| scope.spawn(move || dir.run(line)));
             started.into_iter().map(|run| run.join().unwrap()).collect()
         });
         let (won, lost): (Vec<&Run>, Vec<&Run>) = runs.iter().partition(|run| run.code == 0);

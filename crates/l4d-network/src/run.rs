@@ -154,7 +154,7 @@ impl Network {
         nodes: [NodeId; N],
     ) -> Result<[Planes; N], WeightsError> {
         let outputs = self.run_all(inputs, &nodes)?;
-        outputs.try_into().map_err(|_| WeightsError::Model("it gave another number of outputs".to_owned()))
+        outputs.try_into().map_err(|_outputs| WeightsError::Model("it gave another number of outputs".to_owned()))
     }
 
     fn run_all(
@@ -170,7 +170,7 @@ impl Network {
         let planes = |value: rten::Value| {
             let tensor: rten_tensor::Tensor<f32> = value
                 .try_into()
-                .map_err(|_| WeightsError::Model("an output is not of numbers".to_owned()))?;
+                .map_err(|_value| WeightsError::Model("an output is not of numbers".to_owned()))?;
             Ok(Planes { shape: tensor.shape().to_vec(), values: tensor.to_vec() })
         };
         outputs.into_iter().map(planes).collect()

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use l4d_data::benchmark::SetSplit;
 use l4d_data::results::{MaskFile, MethodCard, Track, Used};
-use l4d_data::store::{FolderLock, write_atomic};
+use l4d_data::store::{Claim, FolderLock, folder_of, write_atomic};
 use l4d_data::truth::Truth;
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, Profile, Query, Status};
@@ -170,16 +170,22 @@ const COLUMNS: [LeaderboardColumn; 11] = [
 ];
 
 /// Writes a form into a folder of its own. A folder that holds anything else is refused: a platform would take it in.
+/// For the same reason the list of what was written is beside it.
 ///
 /// # Errors
-/// If the folder holds other files, another run writes into it, or it cannot be written.
-pub fn write(folder: &Path, files: &Files) -> Result<(), DataError> {
+/// If the folder holds other files, or, unless `force`, files that l4d did not write; if another run writes into it, or it
+/// cannot be written.
+pub fn write(folder: &Path, files: &Files, force: bool) -> Result<(), DataError> {
     let _lock = FolderLock::take(folder)?;
     let there = files_below(folder, &mut l4d_data::Report::default())?;
     if let Some(other) = there.iter().find(|name| !files.contains_key(*name)) {
         let message = format!("holds {other}, which is no part of it");
         return Err(DataError::invalid(folder, "folder", message, "empty it, or choose another --out"));
     }
+    let place = folder.canonicalize().map_err(|source| DataError::io(folder, "open the folder", source))?;
+    let name = place.file_name().unwrap_or_default().to_string_lossy();
+    let names = files.keys().map(|file| format!("{name}/{file}")).collect();
+    let _claim = Claim::take(folder_of(&place), names, None, force)?;
     files.iter().try_for_each(|(name, bytes)| write_atomic(&folder.join(name), bytes))
 }
 

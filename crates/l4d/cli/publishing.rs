@@ -69,6 +69,9 @@ pub(crate) struct HostArgs {
     /// Folder that receives the files; default: hosting/<platform>
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Replace files that l4d did not write
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

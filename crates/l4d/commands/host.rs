@@ -68,7 +68,7 @@ fn make(
     let hosted = Hosted { gathered: &gathered, profile: args.profile, truth_digest: &truth_digest };
     let files = form(&hosted)?;
     let folder = args.out.clone().unwrap_or_else(|| default_hosting(platform));
-    write(&folder, &files)?;
+    write(&folder, &files, args.force)?;
     if args.json {
         let sizes: BTreeMap<&String, usize> = files.iter().map(|(name, bytes)| (name, bytes.len())).collect();
         out.json(&json!({ "folder": folder, "platform": platform, "files": sizes, "findings": [] }))?;

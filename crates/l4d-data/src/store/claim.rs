@@ -205,7 +205,7 @@ mod tests {
         write(folder, "figures/a.svg", "half");
         // As a kill does, without a note of what was written; the lock goes with the process.
         let Claim { _lock: lock, .. } = &claim;
-        lock.0.unlock().unwrap();
+        lock.file.unlock().unwrap();
         std::mem::forget(claim);
         take(folder, false).unwrap();
     }

@@ -1,7 +1,7 @@
 //! A folder that one run at a time writes into.
 
 use std::fs::{File, TryLockError};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -9,9 +9,13 @@ use super::{make_folder, sweep};
 use crate::error::DataError;
 
 /// The right to write into a folder; dropping gives it back, and so does a kill. The folder itself is locked, so that
-/// nothing is left in it.
+/// nothing is left in it; one that was made for a run that writes nothing is removed.
 #[derive(Debug)]
-pub struct FolderLock(pub(super) File);
+pub struct FolderLock {
+    pub(super) file: File,
+    /// The folder, if it was not there before.
+    made: Option<PathBuf>,
+}
 
 /// How long a run waits for one that is about to end.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -41,11 +45,14 @@ impl FolderLock {
 
     /// None where another run has it.
     fn ask(folder: &Path) -> Result<Option<Self>, DataError> {
+        let made = (!folder.exists()).then(|| folder.to_owned());
         make_folder(folder)?;
         let file = File::open(folder).map_err(|source| DataError::io(folder, "open the folder", source))?;
         // A filesystem that cannot lock folders is no error.
         let is_busy = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
-        Ok((!is_busy).then_some(Self(file)))
+        // The run that had it has removed the folder.
+        let is_gone = !folder.exists();
+        Ok((!is_busy && !is_gone).then_some(Self { file, made }))
     }
 }
 
@@ -56,8 +63,12 @@ fn busy(folder: &Path) -> DataError {
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
+        if let Some(folder) = &self.made {
+            // Only where nothing was written.
+            std::fs::remove_dir(folder).ok();
+        }
         // A child that is just being started holds a copy of the handle, and with it the lock, for a moment longer.
-        self.0.unlock().ok();
+        self.file.unlock().ok();
     }
 }
 
@@ -76,5 +87,8 @@ mod tests {
         drop(lock);
         FolderLock::take(&out).unwrap();
         assert_eq!(std::fs::read_dir(&out).unwrap().count(), 0);
+        std::fs::remove_dir(&out).unwrap();
+        drop(FolderLock::take(&out).unwrap());
+        assert!(!out.exists(), "a folder that was made for nothing stays");
     }
 }

@@ -78,11 +78,11 @@ impl Spent {
 pub(super) struct SplatsFolder(pub(super) PathBuf);
 
 impl SplatsFolder {
-    /// The right to write into it. The numbers are in files that are called by their digest: nobody else's.
+    /// The right to write into it. Its card is not replaced unless it is read first, and the numbers are in files that are
+    /// called by their digest.
     pub(super) fn take(&self, overwrite: bool) -> Result<store::Claim> {
-        let names = [MANIFEST, own::CARD].map(str::to_owned).to_vec();
         let earlier = Earlier { file: own::CARD, says: own::SCHEMA };
-        Ok(store::Claim::take(&self.0, names, Some(earlier), overwrite)?)
+        Ok(store::Claim::take(&self.0, vec![MANIFEST.to_owned()], Some(earlier), overwrite)?)
     }
 
     /// Looks whether this training has been here. What belongs to another one is refused, unless it may go.

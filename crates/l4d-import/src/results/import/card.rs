@@ -49,7 +49,8 @@ pub fn write(
     let _lock = FolderLock::take(dir.root())?;
     let claim = dir.root().join(CLAIM);
     let card = card(identity, request, imported)?;
-    if dir.masks().exists() && !force && !claim.exists() {
+    let is_taken = dir.masks().exists() || dir.card().exists();
+    if is_taken && !force && !claim.exists() {
         if holds(&dir, &card, imported) {
             return Ok(dir.root().to_owned());
         }
