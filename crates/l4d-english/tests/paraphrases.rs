@@ -52,11 +52,7 @@ fn answer(world: &World<'_>, predicate: &Predicate, temporal: Temporal) -> Strin
 fn paraphrases() {
     let is_verbose = std::env::var_os("L4D_SHOW_PARAPHRASES").is_some();
     let mut counts: BTreeMap<(&str, String), Count> = BTreeMap::new();
-    let mut scenes: Vec<PathBuf> =
-        std::fs::read_dir(dev().join("scenes")).unwrap().map(|entry| entry.unwrap().path()).collect();
-    scenes.sort();
-    for path in scenes {
-        let tracks: Tracks = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    for tracks in scenes() {
         let (words, world) = (Words::of(&tracks), World::new(&tracks));
         let scene = &tracks.scene;
         let mut queries: BTreeMap<String, Query> = BTreeMap::new();
@@ -127,4 +123,31 @@ fn paraphrases() {
         let count = counts[&(set, "all".to_owned())];
         assert!(count.same * 100 >= floor * count.all, "{set}: {} of {}", count.same, count.all);
     }
+}
+
+/// What the composer says is understood as exactly what it meant, composites and absent referents too.
+#[test]
+fn what_is_said_is_understood_exactly() {
+    let mut wrong = Vec::new();
+    for scene in scenes() {
+        let words = Words::of(&scene);
+        for kind in ["", ".composite", ".absent"] {
+            for line in lines(&dev().join("queries").join(format!("{}{kind}.jsonl", scene.scene))) {
+                let query: Query = serde_json::from_str(&line).unwrap();
+                let meant = canonical(&Predicate::from_json(query.predicate.as_ref().unwrap()).unwrap());
+                let reading = understand(&query.text, &words).unwrap().swap_remove(0);
+                if (reading.temporal, &reading.predicate) != (query.temporal, &meant) {
+                    wrong.push(format!("{}: {}\n    {}", query.id, query.text, reading.predicate));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+fn scenes() -> Vec<Tracks> {
+    let folder = std::fs::read_dir(dev().join("scenes")).unwrap();
+    let mut paths: Vec<PathBuf> = folder.map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths.iter().map(|path| serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()).collect()
 }
