@@ -200,7 +200,8 @@ impl<'r, 'a> Wide<'r, 'a> {
         match word {
             "," | "" => 0,
             "not" | "never" | "no" | "without" | "neither" | "nor" | "nobody" => price::NEGATION,
-            "@first" | "@last" | "@start" | "@end" | "@while" | "@then" => 12,
+            "@while" => 36,
+            "@first" | "@last" | "@start" | "@end" | "@then" => 12,
             "@all" => 0,
             _ if data().is_function(word) => price::FUNCTION,
             _ if data().is_known(word) => price::CONTENT,

@@ -80,6 +80,7 @@ pub(super) struct Doing {
 pub(super) struct Data {
     pub(super) preambles: Phrases<()>,
     pub(super) contrasts: Phrases<()>,
+    pub(super) endings: Vec<Vec<String>>,
     pub(super) background: Vec<String>,
     pub(super) rewrites: Phrases<Vec<String>>,
     pub(super) nouns: Phrases<Naming>,
@@ -133,6 +134,7 @@ impl Data {
         let mut data = Self {
             preambles: Phrases::default(),
             contrasts: Phrases::default(),
+            endings: file.endings.iter().map(|text| split(text)).collect(),
             background: file.background,
             rewrites: Phrases::default(),
             nouns: Phrases::default(),
@@ -537,6 +539,7 @@ fn split(text: &str) -> Vec<String> {
 struct File {
     preambles: Vec<String>,
     contrasts: Vec<String>,
+    endings: Vec<String>,
     background: Vec<String>,
     fillers: Vec<String>,
     function: Vec<String>,

@@ -20,6 +20,8 @@ pub(super) enum Item {
     No,
 }
 
+/// What it costs to take a colour for that of a part that nobody has named.
+const FAR: u32 = 24;
 /// Words within a description of parts that say nothing themselves.
 const BETWEEN: &str = "and , on in of at all with its his her their the a an whole over round around that has having is are been it it's one two some \
     up made out from entire both big patch picture covered by to looking tone done ones painted printed drawn marked wearing worn tied pulled back into down that go goes reach reaches come comes running runs which kind sort you see can";
@@ -294,19 +296,26 @@ impl Wide<'_, '_> {
             None if data().bare.iter().any(|own| own == key) => Some(0),
             None => Some(5),
         };
+        // "The orange dog" is no dog with an orange collar.
+        let is_colour = |value: &str| {
+            let mut all = lexicon().all_wordings().iter();
+            all.any(|wording| wording.key == "colour" && wording.value == value)
+        };
+        let is_bare = |key: &str| keys.is_some() || is_worn || data().bare.iter().any(|own| own == key);
         for (value, rank) in values {
             for (key, own_value) in &own {
                 if own_value == value
                     && let Some(cost) = key_cost(key)
                 {
-                    consider(cost + (*rank).min(5), key, value);
+                    let far = if !is_bare(key) && is_colour(value) { FAR } else { 0 };
+                    consider(cost + (*rank).min(5) + far, key, value);
                 }
             }
         }
-        if let Some((cost, clause)) = best {
+        if let Some((cost, clause)) = best.take_if(|(cost, _)| *cost < FAR) {
             return Some((clause, cost));
         }
-        if keys.is_none() {
+        if keys.is_none() && best.is_none() {
             let extreme = |name: &str| values.iter().any(|(value, _)| value == name);
             if extreme("small") {
                 return Some((Clause::Superlative(Superlative::Smallest), 12));
@@ -316,7 +325,6 @@ impl Wide<'_, '_> {
             }
         }
         // What nothing here has: the lexicon's meaning, of the keys that such things have.
-        let mut best: Option<(u32, Clause)> = None;
         for wording in lexicon().all_wordings() {
             let Some((_, rank)) = values.iter().find(|(value, _)| *value == wording.value) else { continue };
             let Some(cost) = key_cost(&wording.key) else { continue };

@@ -5,7 +5,8 @@ use l4d_query::{Clause, Party, Predicate, Relation, Superlative};
 
 use super::guess::{Guess, Guesses, cheapest};
 use super::noun_phrase::{Article, Described};
-use super::{Edge, Wide};
+use super::property::Item;
+use super::{Edge, Order, Wide};
 use crate::lexicon::Form;
 
 /// Words before a description that are passed over at most.
@@ -39,12 +40,16 @@ impl Wide<'_, '_> {
         }
         self.rivals_first(start, &mut found);
         self.inverted(start, edge, &mut found);
-        self.no_other(start, &mut found);
+        self.no_other(start, edge, &mut found);
+        self.part_first(start, &mut found);
         // "No teapot pours into this cup."
         let has_this = self.tokens.iter().any(|word| matches!(word.as_str(), "this" | "that"));
-        for acted in self.acted_on(start).into_iter().filter(|_| has_this && self.before.is_none()) {
+        for acted in self.acted_on(start).into_iter().filter(|_| self.before.is_none()) {
             let meaning = (acted.value.predicate(), Temporal::Whole);
-            found.push(acted.map(|_| meaning).plus(4));
+            // "A hand pushes a block": objects are asked for, hands are not.
+            let is_asked =
+                has_this || self.mentions.first().is_some_and(|(_, noun)| !self.words.is_object(noun));
+            found.push(acted.map(|_| meaning).plus(if is_asked { 4 } else { 40 }));
         }
         let inner = if edge.is_some() {
             self.skip(start, "it is|this is|that is|which is|which one is|find|show me|i want")
@@ -144,6 +149,26 @@ impl Wide<'_, '_> {
         let is_whole = |guess: &Guess<Meaning>| guess.value.0.0.len() > 1 && !is_vague(&guess.value.0);
         let seconds = wide.single_sentence(0).into_iter().filter(is_whole).take(3);
         found.extend(seconds.map(|second| Guess { cost: second.cost + 6, skipped: 0, ..second }));
+    }
+
+    /// "Several drink, I want the last one to do so", "but which one is first".
+    fn ordered_later(&self, at: usize, later: &[String], first: &Guess<Described>) -> Option<Guess<Meaning>> {
+        let says = |words: &[&str]| later.iter().any(|word| words.contains(&word.as_str()));
+        let order = match (says(&["first", "@first", "earliest"]), says(&["last", "@last", "second"])) {
+            (true, false) => Order::First,
+            (false, true) => Order::Last,
+            _ => return None,
+        };
+        let plain = "and but which one of them is the i want this that does do so it to comes goes first last @first @last earliest second who s 's are ones \
+            , mean am after a in doing be only then find show me need she he they their turn";
+        let is_plain = later.iter().all(|word| plain.split_whitespace().any(|own| own == word));
+        if !is_plain || first.end > at {
+            return None;
+        }
+        let clauses = order.of(first.value.clauses.clone())?;
+        let all = std::iter::once(Clause::Category(first.value.noun.clone())).chain(clauses);
+        let meaning = (Predicate(all.collect()), Temporal::Whole);
+        Some(first.clone().map(|_| meaning).plus(3))
     }
 
     /// What comes after a description: nothing, a gate, or words that fit nowhere.
@@ -252,7 +277,7 @@ impl Wide<'_, '_> {
         }
         for (_, noun) in self.mentions.iter().take(4) {
             for gated in self.gated(gate, noun) {
-                let next = self.skip(gated.end, ", that is when i want|, that is when i want to see|, that is when i need|, that is when|, i want|, show me|, find|,");
+                let next = self.skip(gated.end, "do i want to see|do i want|, do i want to see|i want to see|do i need to see|do i need|, that is what i want to see|, that is what i want|, that is when i want|, that is when i want to see|, that is when i need|, that is when|, i want|, show me|, find|,");
                 for top in self.described(next, true).iter().filter(|top| top.value.noun == *noun) {
                     let clauses = top.value.predicate().0.into_iter().chain(gated.value.clone());
                     let meaning = (Predicate(clauses.collect()), Temporal::While);
@@ -283,8 +308,10 @@ impl Wide<'_, '_> {
         for (place, noun) in self.mentions.iter().filter(|(place, _)| *place > at + 1) {
             for said in [self.complement(at, noun), self.verb_phrase(at, noun)].concat() {
                 // "Next to that pot is the pot I want."
+                let bare = self.any_of(said.end, "the a this that").map(|_| said.end);
                 let Some(next) = self
                     .phrase(said.end, ",|is|are|, and that is|there is|, there is|stands|lies|sits|, that is")
+                    .or(bare)
                     .filter(|next| next <= place)
                 else {
                     continue;
@@ -304,8 +331,33 @@ impl Wide<'_, '_> {
         }
     }
 
+    /// "The roof of one of the cars is black": the part goes first.
+    fn part_first(&self, at: usize, found: &mut Vec<Guess<Meaning>>) {
+        let start = self.skip(at, "the|its");
+        for (item, end) in self.items(start) {
+            let Item::Part(_) = &item else { continue };
+            let Some(of) = self.any_of(end, "of") else { continue };
+            for owner in
+                self.described(of, false).iter().filter(|owner| self.words.is_object(&owner.value.noun))
+            {
+                let Some(is) = self.any_of(owner.end, "is are has") else { continue };
+                for said in self.items(is) {
+                    let Some((clauses, cost)) =
+                        self.resolved(&owner.value.noun, &[item.clone(), said.0.clone()], false)
+                    else {
+                        continue;
+                    };
+                    let all = owner.value.predicate().0.into_iter().chain(clauses);
+                    let meaning = (Predicate(all.collect()), Temporal::Whole);
+                    let tail = self.pass_all(said.1, self.tokens.len());
+                    found.push(owner.clone().ending(said.1).then(tail, |_, ()| meaning).plus(cost + 2));
+                }
+            }
+        }
+    }
+
     /// "No other cup is as tall", "no other cup is closer to the lamp".
-    fn no_other(&self, at: usize, found: &mut Vec<Guess<Meaning>>) {
+    fn no_other(&self, at: usize, edge: Option<Edge>, found: &mut Vec<Guess<Meaning>>) {
         let Some(next) = self.phrase(at, "no other|none of the other|no") else { return };
         for noun in self.nouns(next) {
             let Some(is) = self
@@ -330,8 +382,30 @@ impl Wide<'_, '_> {
                 Clause::Relation { kind, .. } => matches!(kind, Relation::ClosestTo | Relation::FarthestFrom),
                 _ => false,
             };
+            for (kind, words) in [
+                (
+                    Relation::FarthestFrom,
+                    "as far from|so far from|as far away from|so far away from|as far off from|far from|as distant from",
+                ),
+                (
+                    Relation::ClosestTo,
+                    "as close to|as near to|so close to|so near to|close to|as near|quite as close to",
+                ),
+            ] {
+                // "As" has been taken for part of "is as".
+                let starts = [is, is.saturating_sub(1)];
+                for of in starts.into_iter().filter_map(|start| self.phrase(start, words)) {
+                    said.extend(self.parties(of).into_iter().map(|guess| {
+                        guess.map(|(party, _)| vec![Clause::Relation { kind, of: vec![party] }])
+                    }));
+                }
+            }
             for guess in said.into_iter().filter(|guess| guess.value.iter().all(is_extreme)) {
-                let clauses = std::iter::once(Clause::Category(name.clone())).chain(guess.value.clone());
+                let value = match edge {
+                    Some(edge) => edge.of(guess.value.clone()).unwrap_or_else(|| guess.value.clone()),
+                    None => guess.value.clone(),
+                };
+                let clauses = std::iter::once(Clause::Category(name.clone())).chain(value);
                 let meaning = (Predicate(clauses.collect()), Temporal::Whole);
                 let end = self.skip(guess.end, "as this one|as it|as this|than this one|than it|than this");
                 let tail = self.pass_all(end, self.tokens.len());
@@ -375,13 +449,27 @@ impl Wide<'_, '_> {
                 }
                 firsts.push(acted);
             }
+            for guess in earlier.single_sentence(0) {
+                let (predicate, temporal) = guess.value.clone();
+                if temporal == Temporal::Whole {
+                    let clauses = predicate.0.iter().skip(1).cloned().collect();
+                    let noun = predicate.noun().to_owned();
+                    firsts.push(
+                        guess
+                            .map(|_| Described { article: Article::The, noun, clauses, is_plural: false })
+                            .plus(2),
+                    );
+                }
+            }
             firsts.retain(|guess| !guess.value.clauses.is_empty());
-            for first in cheapest(firsts).into_iter().take(MOST_EARLIER) {
+            for first in &cheapest(firsts).into_iter().take(MOST_EARLIER).collect::<Vec<_>>() {
                 let wide = Wide::new(
                     super::tokens::without_preamble(later.clone()),
                     self.words,
                     Some(first.value.clone()),
                 );
+                // "Both tilt, which one is last": an order of what was said.
+                found.extend(self.ordered_later(at, &later, first));
                 // "... that is the one": the second sentence says no more.
                 let rest: u32 = (0..wide.tokens.len()).map(|place| wide.price(place)).sum();
                 let meaning = (first.value.predicate(), Temporal::Whole);

@@ -53,7 +53,7 @@ pub(super) fn plain(text: &str, preferred: &BTreeSet<String>) -> Plain {
     let is_adverb = |word: &String| word.len() > 4 && word.ends_with("ly") && !data().is_known(word);
     words.retain(|word| !is_adverb(word));
     Plain {
-        words: without_contrast(rewritten(without_contrast(with_edges(words)))),
+        words: without_contrast(rewritten(without_contrast(with_edges(without_ending(words))))),
         repairs,
         unknown,
         length,
@@ -219,7 +219,31 @@ fn rewritten(mut words: Vec<String>) -> Vec<String> {
             }
             if words[at] == "'s"
                 && (next.ends_with("ing")
-                    || matches!(next, "the" | "a" | "not" | "on" | "in" | "first" | "last"))
+                    || matches!(
+                        next,
+                        "the"
+                            | "a"
+                            | "not"
+                            | "on"
+                            | "in"
+                            | "first"
+                            | "last"
+                            | "closest"
+                            | "nearest"
+                            | "farthest"
+                            | "furthest"
+                            | "next"
+                            | "beside"
+                            | "between"
+                            | "behind"
+                            | "never"
+                            | "always"
+                            | "highest"
+                            | "lowest"
+                            | "facing"
+                            | "@first"
+                            | "@last"
+                    ))
             {
                 found.push("is".to_owned());
                 at += 1;
@@ -314,6 +338,17 @@ fn with_edges(words: Vec<String>) -> Vec<String> {
                 }
             }
         }
+        // "Before anyone moves a thing".
+        let is_any = is_in(" anyone anybody anything things ", at + 1) && !is_in(" else ", at + 2);
+        if is_in(" before ", at) && is_any {
+            let end = skip(
+                " anyone anybody anything things moves move happens happen starts start gets get going has have a thing to or at all does do is begins begin moved happened started around budges even ",
+                at + 1,
+            );
+            found.push("@start".to_owned());
+            at = end;
+            continue;
+        }
         // "When the clip gets going".
         if is_in(" when as once while until till after before by ", at) {
             let start = skip(" just right the time moment point very ", at + 1);
@@ -356,6 +391,17 @@ fn with_edges(words: Vec<String>) -> Vec<String> {
         at += 1;
     }
     found
+}
+
+/// Without a request at the end: ", which one is it".
+fn without_ending(mut words: Vec<String>) -> Vec<String> {
+    while let Some(ending) =
+        data().endings.iter().filter(|ending| words.ends_with(ending)).max_by_key(|ending| ending.len())
+        && words.len() > ending.len() + 2
+    {
+        words.truncate(words.len() - ending.len());
+    }
+    words
 }
 
 /// Without what is said of others at the end: "rather than the green one", "since the rest are wide".

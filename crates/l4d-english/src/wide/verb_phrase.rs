@@ -98,7 +98,11 @@ impl Wide<'_, '_> {
     /// One thing that is said of a noun after it.
     fn modifiers(&self, at: usize, noun: &str, is_top: bool) -> Guesses<Vec<Clause>> {
         let mut found = Vec::new();
-        if let Some(next) = self.phrase(at, RELATIVES) {
+        // "Which basket is next to it" asks anew.
+        let asks = |next: &usize| {
+            self.word(next - 1) == "which" && self.nouns(*next).iter().any(|guess| guess.value.0 == noun)
+        };
+        if let Some(next) = self.phrase(at, RELATIVES).filter(|next| !asks(next)) {
             found.extend(self.verb_phrase(next, noun));
             found.extend(self.done_by(next, noun));
             found.extend(self.relation(next).into_iter().map(|guess| guess.plus(1)));
@@ -493,8 +497,10 @@ impl Wide<'_, '_> {
         if let Some(next) = self.any_of(at, "not never neither") {
             return self.complement(next, noun).into_iter().map(not).collect();
         }
+        let at_edge = self.phrase(at, ", @start|, @end").map_or(at, |end| end - 1);
         for (edge, word) in [(Edge::Start, "@start"), (Edge::End, "@end")] {
-            if let Some(next) = self.any_of(at, word) {
+            if let Some(next) = self.any_of(at_edge, word) {
+                let next = self.skip(next, ",");
                 let later = self.complement(next, noun).into_iter();
                 found.extend(later.filter_map(|guess| guess.maybe(|value| edge.of(value))));
             }
