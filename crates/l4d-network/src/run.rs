@@ -154,7 +154,9 @@ impl Network {
         nodes: [NodeId; N],
     ) -> Result<[Planes; N], WeightsError> {
         let outputs = self.run_all(inputs, &nodes)?;
-        outputs.try_into().map_err(|_outputs| WeightsError::Model("it gave another number of outputs".to_owned()))
+        outputs
+            .try_into()
+            .map_err(|_outputs| WeightsError::Model("it gave another number of outputs".to_owned()))
     }
 
     fn run_all(

@@ -31,7 +31,7 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
     }
     let scores = args.scores.clone().unwrap_or_else(|| default_scores(exam.set.as_str(), None));
     let mut scored = score_results(&args.results, &exam, &options, &scores, args.force, |name| {
-        out.note(format!("read {name}"))
+        out.note(format!("read {name}"));
     })?;
     report.extend(std::mem::take(&mut scored.report));
     let status = Printer::status(&report);

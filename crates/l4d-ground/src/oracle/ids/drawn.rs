@@ -158,7 +158,7 @@ mod tests {
             instances: vec![one],
             notes: Vec::new(),
         };
-        set.write(dir.root()).unwrap();
+        set.write(dir.root(), false).unwrap();
         dir
     }
 
