@@ -20,6 +20,8 @@ const FORBIDDEN: &str = "
     l4d-score: l4d-frames l4d-query l4d-votes l4d-board l4d-gpu l4d-ground l4d-import l4d-solve exr image \
         polars plotters ratatui ureq
     l4d-ground: l4d-splat l4d-gpu l4d-solve l4d-votes l4d-score l4d-board polars plotters ratatui
+    l4d-network: l4d-frames l4d-masks l4d-query l4d-english l4d-ground l4d-splat l4d-score exr image \
+        polars plotters ratatui ureq
     l4d-solve: l4d-gpu l4d-votes l4d-score l4d-board wgpu polars plotters ratatui
     l4d-board: l4d-frames l4d-query l4d-votes exr ratatui ureq
     l4d-votes: l4d-annotate l4d-frames l4d-query l4d-score l4d-board exr image polars plotters ratatui \
@@ -51,6 +53,7 @@ const QUARANTINE: &[(&str, &[&str])] = &[
     ("pyo3", &["l4d-py"]),
     ("ratatui", &["l4d-annotate"]),
     ("ratatui-image", &["l4d-annotate"]),
+    ("rten", &["l4d-network"]),
     ("ureq", &["l4d-endpoint"]),
     ("wgpu", &["l4d-gpu"]),
 ];
