@@ -170,7 +170,7 @@ fn what_participants_get_is_a_capture() {
     let of_camera =
         |name: &str| exported.keys().filter(|file| file.ends_with(&format!("{name}.png"))).count();
     assert_eq!((of_camera("cam01"), of_camera(HELD_OUT)), (9, 0));
-    assert!(dir.read("exported/l4d-export.json").contains(HELD_OUT), "where it stands is told");
+    assert!(dir.read("exported/l4d-export.json").contains(HELD_OUT), "its place is missing");
 }
 
 #[test]

@@ -74,7 +74,7 @@ impl<'o> Ledger<'o> {
     /// The wished scenes that have to be made: what is missing of the set, and with `force` what was changed in it.
     ///
     /// # Errors
-    /// Files that were changed since they were written, or that are missing of scenes that nobody wishes.
+    /// Files that were changed since they were written, or that are missing of scenes that no one wishes.
     pub(crate) fn missing(
         &self,
         wishes: &[Composition],

@@ -1,4 +1,4 @@
-//! Everyday English to predicates: a tolerant reader for sentences that nobody wrote for a grammar.
+//! Everyday English to predicates: a tolerant reader for sentences that no one wrote for a grammar.
 //!
 //! A text is made plain first (`tokens`), then every part of it is guessed at (`guess`): each guess has a cost, words
 //! that fit nowhere are passed over for a price, and the cheapest reading of the whole wins. Prefers the nouns, verbs and

@@ -38,7 +38,7 @@ impl<'a> Words<'a> {
         Self { world: Some(World::new(tracks)), known: None }
     }
 
-    /// The words of a network, for a scene that nobody has annotated: nothing has a name.
+    /// The words of a network, for a scene that no one has annotated: nothing has a name.
     pub fn of_vocabulary(known: &'a Vocabulary) -> Self {
         Self { world: None, known: Some(known) }
     }

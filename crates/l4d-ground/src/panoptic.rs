@@ -31,7 +31,7 @@ use crate::unreadable::{Reason, Unreadable};
 const REMEMBERED: usize = 16;
 /// Largest file of weights, or description of them.
 const MOST_BYTES: u64 = 1 << 28;
-/// Things that are told of in notes.
+/// Things that notes describe.
 const TOLD: usize = 3;
 
 /// The panoptic grounder.

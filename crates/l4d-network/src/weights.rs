@@ -15,7 +15,7 @@ pub struct Description {
     schema: String,
     /// Digest of the weights that it belongs to.
     pub sha256: String,
-    /// Nouns; the first stands for the background.
+    /// Nouns; the first means the background.
     pub kinds: Vec<String>,
     /// Properties: key and value.
     pub values: Vec<(String, String)>,
@@ -33,7 +33,7 @@ pub struct Description {
     pub(crate) peak_px: usize,
     /// Most segments of a picture.
     pub(crate) most: usize,
-    /// What is told of the training.
+    /// What the training was.
     #[serde(default)]
     pub training: Value,
 }
