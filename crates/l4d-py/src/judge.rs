@@ -50,7 +50,8 @@ impl Finding {
 /// Percentages are under `document["methods"]`; a method with an error finding is not among them, and
 /// `document["findings"]` says why. `set` is `"queries"` or `"composites"`; `scenes` are all by default; `missing` is
 /// `"error"`, `"zero"` or `"skip"`; mAcc counts frames whose IoU is above `hit_iou`. `counts.csv` and `summary.json` of
-/// each method are written below `scores`, or nowhere; files of others there are replaced only if `force` is set. A method with more than `max_megabytes` of masks is not read.
+/// each method are written below `scores`, or nowhere; files of others there are replaced only if `force` is set. A
+/// method with more than `max_megabytes` of masks is not read.
 #[pyfunction]
 #[pyo3(signature = (results, benchmark, *, set = "queries", scenes = None, missing = "error", hit_iou = 0.0, verified_only = false, resize = false, scores = None, max_megabytes = 4000, force = false))]
 #[expect(clippy::too_many_arguments, reason = "those of the verb")]
