@@ -15,7 +15,7 @@ use serde_json::Value;
 /// Schema tag of a scenario.
 const SCENARIO: &str = "l4d/scenario/1";
 /// Seeds below are those of development sets.
-const FIRST_TRAINING_SEED: u64 = 1000;
+pub const FIRST_TRAINING_SEED: u64 = 1000;
 /// Fewest bytes of a secret that no one guesses, and how many of them differ at least: of 16 random ones nearly always
 /// 14 and more.
 const LEAST_SECRET: usize = 16;

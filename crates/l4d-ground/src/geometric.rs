@@ -20,7 +20,8 @@ pub(crate) mod surface;
 #[cfg(test)]
 mod tests;
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::convert::Infallible;
+use std::sync::Arc;
 
 use serde_json::{Value, json};
 
@@ -31,37 +32,20 @@ use self::parse::{Parsed, parse};
 use self::perceive::Perceived;
 use crate::clip::ViewClip;
 use crate::grounder::{Grounder, Grounding, Outcome, Question};
+use crate::remembered::Remembered;
 use crate::unreadable::Unreadable;
-
-/// Clips whose findings are kept: the views of one scene and some more.
-const REMEMBERED: usize = 16;
 
 /// The geometric grounder.
 #[derive(Debug, Default)]
 pub struct Geometric {
     table: LabTable,
-    /// Digest of a clip -> what is seen in it; the latest last.
-    remembered: Mutex<Vec<(String, Arc<Perceived>)>>,
+    remembered: Remembered<Perceived>,
 }
 
 impl Geometric {
-    /// What is seen in a clip: worked out once, then remembered for the other questions.
     fn perceived(&self, clip: &ViewClip) -> Arc<Perceived> {
-        let digest = clip.digest();
-        let known = |entries: &[(String, Arc<Perceived>)]| {
-            entries.iter().find(|(key, _)| *key == digest).map(|(_, seen)| Arc::clone(seen))
-        };
-        // A panic elsewhere leaves nothing half-written here.
-        if let Some(seen) = known(&self.remembered.lock().unwrap_or_else(PoisonError::into_inner)) {
-            return seen;
-        }
-        let seen = Arc::new(perceive(clip, &self.table));
-        let mut entries = self.remembered.lock().unwrap_or_else(PoisonError::into_inner);
-        if entries.len() >= REMEMBERED {
-            entries.remove(0);
-        }
-        entries.push((digest, Arc::clone(&seen)));
-        seen
+        let seen = self.remembered.of(clip, || Ok::<_, Infallible>(perceive(clip, &self.table)));
+        seen.unwrap_or_else(|never| match never {})
     }
 }
 

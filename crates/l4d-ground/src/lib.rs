@@ -13,6 +13,7 @@ mod grounder_file;
 pub mod oracle;
 pub mod panoptic;
 mod plan;
+mod remembered;
 #[cfg(test)]
 mod testing;
 mod unreadable;

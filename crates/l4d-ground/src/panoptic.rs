@@ -9,26 +9,25 @@ mod look;
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use l4d_data::store::read_bounded;
 use l4d_data::{Role, StageError, Temporal};
 use l4d_english::{Reading, Unread, Vocabulary, Words, understand};
 use l4d_masks::Mask;
 use l4d_network::{Description, Network, WeightsError};
-use l4d_query::soft::{Ranked, rank};
+use l4d_query::soft::Ranked;
 use l4d_query::verbs;
 use serde_json::{Value, json};
 
-use self::believe::believed;
+use self::believe::Scene;
 use self::look::{Looked, look};
 use crate::clip::ViewClip;
 use crate::geometric::lab::LabTable;
 use crate::grounder::{Grounder, Grounding, Outcome, Question};
+use crate::remembered::Remembered;
 use crate::unreadable::{Reason, Unreadable};
 
-/// Clips whose findings are kept: the views of one scene and some more.
-const REMEMBERED: usize = 16;
 /// Largest file of weights, or description of them.
 const MOST_BYTES: u64 = 1 << 28;
 /// Things that notes describe.
@@ -39,8 +38,14 @@ pub struct Panoptic {
     network: Network,
     words: Vocabulary,
     table: LabTable,
-    /// Digest of a clip -> what is seen in it; the latest last.
-    remembered: Mutex<Vec<(String, Arc<Looked>)>>,
+    remembered: Remembered<Seen>,
+}
+
+/// A clip as it is seen, and what is believed of it.
+struct Seen {
+    looked: Looked,
+    /// None if nothing is seen.
+    scene: Option<Scene>,
 }
 
 impl Panoptic {
@@ -53,24 +58,19 @@ impl Panoptic {
         let description = read_bounded(&described, MOST_BYTES)?;
         let description = String::from_utf8_lossy(&description);
         let bytes = read_bounded(&weights, MOST_BYTES)?;
-        Self::new(bytes, &description).map_err(|error| {
+        Network::load(bytes, &description).map(Self::of).map_err(|error| {
             let message = format!("{}: {error}", weights.display());
             StageError::new(message, "docs/network.md says how weights are made")
         })
     }
 
-    /// The grounder with these weights.
-    ///
-    /// # Errors
-    /// Weights that cannot be run.
-    pub fn new(weights: Vec<u8>, description: &str) -> Result<Self, WeightsError> {
-        let network = Network::load(weights, description)?;
-        Ok(Self {
+    fn of(network: Network) -> Self {
+        Self {
             words: vocabulary(network.description()),
             network,
             table: LabTable::new(),
-            remembered: Mutex::default(),
-        })
+            remembered: Remembered::default(),
+        }
     }
 
     /// What a sentence means.
@@ -88,23 +88,12 @@ impl Panoptic {
         Ok(best)
     }
 
-    /// What is seen in a clip: worked out once, then remembered for the other questions.
-    fn looked(&self, clip: &ViewClip) -> Result<Arc<Looked>, WeightsError> {
-        let digest = clip.digest();
-        let known = |entries: &[(String, Arc<Looked>)]| {
-            entries.iter().find(|(key, _)| *key == digest).map(|(_, seen)| Arc::clone(seen))
-        };
-        // A panic elsewhere leaves nothing half-written here.
-        if let Some(seen) = known(&self.remembered.lock().unwrap_or_else(PoisonError::into_inner)) {
-            return Ok(seen);
-        }
-        let seen = Arc::new(look(clip, &self.network, &self.table)?);
-        let mut entries = self.remembered.lock().unwrap_or_else(PoisonError::into_inner);
-        if entries.len() >= REMEMBERED {
-            entries.remove(0);
-        }
-        entries.push((digest, Arc::clone(&seen)));
-        Ok(seen)
+    fn seen(&self, clip: &ViewClip) -> Result<Arc<Seen>, WeightsError> {
+        self.remembered.of(clip, || {
+            let looked = look(clip, &self.network, &self.table)?;
+            let scene = Scene::of(&looked, self.network.description());
+            Ok(Seen { looked, scene })
+        })
     }
 }
 
@@ -124,7 +113,7 @@ impl Grounder for Panoptic {
     fn knows(&self) -> Option<String> {
         let description = self.network.description();
         Some(format!(
-            "{} kinds of things and {} of their properties (`l4d query SCENE --words` lists them)",
+            "{} kinds of things and {} of their properties",
             description.kinds.len() - 1,
             description.values.len(),
         ))
@@ -136,22 +125,20 @@ impl Grounder for Panoptic {
             Err(unread) => return Grounding::without_answer(Outcome::Unsupported(unread)),
         };
         let (predicate, temporal) = (&reading.predicate, reading.temporal);
-        let looked = match self.looked(clip) {
-            Ok(looked) => looked,
+        let seen = match self.seen(clip) {
+            Ok(seen) => seen,
             Err(error) => return Grounding::without_answer(Outcome::Error(error.to_string())),
         };
+        let looked = &seen.looked;
         let mut notes = vec![format!("reads the sentence as {predicate}")];
         notes.extend(reading.note());
-        let ranked = match believed(&looked, self.network.description(), predicate) {
-            Some(tracks) => match tracks.belief() {
-                Ok(belief) => rank(&belief, predicate, temporal),
-                Err(error) => return Grounding::without_answer(Outcome::Error(error.to_string())),
-            },
-            None => Vec::new(),
+        let ranked = match seen.scene.as_ref().map(|scene| scene.rank(predicate, temporal)).transpose() {
+            Ok(ranked) => ranked.unwrap_or_default(),
+            Err(error) => return Grounding::without_answer(Outcome::Error(error.to_string())),
         };
         notes.push(format!("sees {} things", looked.perceived.tracks.len()));
-        notes.extend(ranked.iter().take(TOLD).map(|one| told(one, &looked, self.network.description())));
-        let masks = ranked.first().map_or_else(BTreeMap::new, |best| masks_of(best, temporal, &looked));
+        notes.extend(ranked.iter().take(TOLD).map(|one| told(one, looked, self.network.description())));
+        let masks = ranked.first().map_or_else(BTreeMap::new, |best| masks_of(best, temporal, looked));
         let is_asked = |frame: u32| question.range.is_none_or(|range| range.contains(frame));
         let masks = masks.into_iter().filter(|(frame, _)| is_asked(*frame)).collect();
         Grounding::of_masks(clip, masks, notes)
@@ -198,7 +185,7 @@ mod tests {
     use crate::testing::{asked_from, clip, sentence};
 
     /// A tiny network with drawn weights: what it finds means nothing, and is the same every time.
-    fn grounder() -> Panoptic {
+    fn tiny() -> Panoptic {
         Panoptic::open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../l4d-network/tests/data")).unwrap()
     }
 
@@ -217,25 +204,25 @@ mod tests {
 
     #[test]
     fn a_guess_is_better_than_no_answer_and_always_the_same() {
-        let (grounder, question) = (grounder(), sentence("The red cup"));
+        let (grounder, question) = (tiny(), sentence("The red cup"));
         let grounding = grounder.ground(&wall(), &question);
         assert_eq!(grounding.outcome, Outcome::Found, "{:?}", grounding.notes);
         assert_eq!(grounding.masks.len(), 4);
         assert!(grounding.notes[0].contains("cup"), "{:?}", grounding.notes);
-        assert_eq!(super::tests::grounder().ground(&wall(), &question), grounding);
+        assert_eq!(tiny().ground(&wall(), &question), grounding);
         let asked = grounder.ground(&wall(), &asked_from(question, 12, 24));
         assert!(asked.masks[&0].is_empty() && asked.masks[&12] == grounding.masks[&12]);
     }
 
     #[test]
     fn what_has_no_depth_is_nowhere() {
-        let grounding = grounder().ground(&clip(96, 64, &[0, 12]), &sentence("The red cup"));
+        let grounding = tiny().ground(&clip(96, 64, &[0, 12]), &sentence("The red cup"));
         assert_eq!(grounding.outcome, Outcome::Absent);
     }
 
     #[test]
     fn sentences_that_mean_nothing_are_unsupported() {
-        let grounder = grounder();
+        let grounder = tiny();
         for text in ["", "the cup", "der rote Eimer neben der Katze", &"very ".repeat(500)] {
             let unread = grounder.reads(text).unwrap_err();
             assert!(!unread.to_string().is_empty());

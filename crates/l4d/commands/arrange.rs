@@ -3,13 +3,11 @@
 use anyhow::Result;
 use l4d_blender::arrange::{ArrangeOptions, arrange};
 use l4d_blender::env::BlenderEnv;
+use l4d_compose::wish::FIRST_TRAINING_SEED;
 use serde_json::json;
 
 use crate::cli::scenes::ArrangeArgs;
 use crate::out::{ExitStatus, Printer, refusal};
-
-/// Seeds below are those of the development set.
-const FIRST_TRAINING_SEED: u64 = 1000;
 
 pub(crate) fn run(args: &ArrangeArgs, out: &Printer) -> Result<ExitStatus> {
     if args.seed < FIRST_TRAINING_SEED {

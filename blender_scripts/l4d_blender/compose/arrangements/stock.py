@@ -69,27 +69,17 @@ def draw(rng: random.Random, noun: str) -> Item:
     """One thing of a noun in a drawn look."""
     kind = rng.choice(kinds_by_noun()[noun])
     if noun == "pot":
-        return _of(noun, rng.choice(cookery.draw_pots(rng, 3)), 0.19)
+        return Item(noun, rng.choice(cookery.draw_pots(rng, 3)), 0.19)
     if noun == "laptop":
-        return _of(noun, rng.choice(deskwork.draw_laptops(rng, 3)), deskwork.LAPTOP_M)
+        return Item(noun, rng.choice(deskwork.draw_laptops(rng, 3)), deskwork.LAPTOP_M)
     if noun in WARES and noun != "ball" and rng.random() < 0.7:
         ware = WARES[noun]
-        return _of(noun, rng.choice(ware.draw(rng, 3)), ware.radius_m)
+        return Item(noun, rng.choice(ware.draw(rng, 3)), ware.radius_m)
     if kind in GRASPABLES and noun != "ball" and rng.random() < 0.5:
         graspable = GRASPABLES[kind]
         look = rng.choice(graspable.group(rng, 3))
         return Item(noun, look, graspable.radius_m, graspable.fixed)
     return _any_look(rng, noun, kind)
-
-
-def room_m(noun: str) -> tuple[float, float]:
-    """The smallest and largest radius that things of a noun need."""
-    radii = [_radius(kind) for kind in kinds_by_noun()[noun]]
-    return min(radii), max(radii)
-
-
-def _of(noun: str, look: Look, radius_m: float) -> Item:
-    return Item(noun, look, radius_m)
 
 
 def _any_look(rng: random.Random, noun: str, kind: str) -> Item:

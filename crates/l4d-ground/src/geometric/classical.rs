@@ -1,14 +1,13 @@
 //! Perception without learning: depth, colour and motion.
 
 use glam::DVec2;
-use l4d_data::Scale;
 
 use super::lab::LabTable;
-use super::link::{Chain, link};
-use super::perceive::{Perceived, Track, median};
+use super::link::{Chain, lasts, link};
+use super::perceive::{Perceived, Track};
 use super::segment::{Level, segments};
-use super::settings::{MOST_TRACKS, SAME_IOU, SCALE_DEPTH_M};
-use super::surface::{Backdrop, Surface};
+use super::settings::{MOST_TRACKS, SAME_IOU};
+use super::surface::{Backdrop, Surface, median_depth_m, scale_of};
 use crate::clip::ViewClip;
 
 /// The things of a clip: segments from depth, colour and motion, linked over time within one view. Never fails: what
@@ -16,9 +15,7 @@ use crate::clip::ViewClip;
 pub(super) fn perceive(clip: &ViewClip, table: &LabTable) -> Perceived {
     let frames: Vec<u32> = clip.frame_numbers().collect();
     let surfaces: Vec<Surface> = clip.frames.iter().map(|seen| Surface::new(clip, seen, table)).collect();
-    let depths = surfaces.iter().take(1).flat_map(|surface| surface.depth_m.iter().step_by(7));
-    let median_depth_m =
-        median(depths.filter(|depth_m| depth_m.is_finite()).map(|&depth_m| f64::from(depth_m)).collect());
+    let median_depth_m = median_depth_m(&surfaces);
     let footprint = 1.0 / clip.camera.fx.max(1e-9) as f32;
     let backdrop = Backdrop::new(clip, &surfaces, median_depth_m);
     let seconds: Vec<f64> = frames.iter().map(|&frame| clip.timeline.seconds(frame)).collect();
@@ -43,27 +40,11 @@ pub(super) fn perceive(clip: &ViewClip, table: &LabTable) -> Perceived {
     }
 }
 
-fn scale_of(median_depth_m: f64) -> Scale {
-    let [table, room] = SCALE_DEPTH_M;
-    if median_depth_m <= table {
-        Scale::Tabletop
-    } else if median_depth_m <= room {
-        Scale::Room
-    } else {
-        Scale::Outdoor
-    }
-}
-
 /// Chains that last, the same pixels not twice, those with most pixels.
 fn distinct(chains: Vec<Chain>) -> Vec<Track> {
-    let count = chains.first().map_or(0, Vec::len);
-    let least = (count / 12).clamp(1, 4);
     let pixels = |chain: &Chain| chain.iter().flatten().map(|glimpse| glimpse.area_px).sum::<u64>();
-    let mut chains: Vec<(u64, Chain)> = chains
-        .into_iter()
-        .filter(|chain| chain.iter().flatten().count() >= least)
-        .map(|chain| (pixels(&chain), chain))
-        .collect();
+    let mut chains: Vec<(u64, Chain)> =
+        chains.into_iter().filter(lasts).map(|chain| (pixels(&chain), chain)).collect();
     // The sort is stable: among equals the coarser level comes first.
     chains.sort_by_key(|(pixels, _)| std::cmp::Reverse(*pixels));
     let mut kept: Vec<(u64, Chain)> = Vec::new();

@@ -21,6 +21,11 @@ const STITCH_COST: f64 = 0.05;
 /// Glimpses of one thing, by frame index.
 pub(crate) type Chain = Vec<Option<Glimpse>>;
 
+/// Whether a chain is seen in enough of its frames to be a thing.
+pub(crate) fn lasts(chain: &Chain) -> bool {
+    chain.iter().flatten().count() >= (chain.len() / 12).clamp(1, 4)
+}
+
 /// Links segments over the frames; `seconds` are the times of the frames.
 pub(crate) fn link(frames: Vec<Vec<Glimpse>>, seconds: &[f64]) -> Vec<Chain> {
     let count = frames.len();

@@ -1,10 +1,11 @@
 //! A frame as points in space: which belong to what supports everything else, and which are in front of the background.
 
 use glam::{DVec2, DVec3, Vec3};
+use l4d_data::Scale;
 
 use super::lab::LabTable;
 use super::perceive::median;
-use super::settings::{LEAST_ALPHA, LEAST_PX, MOVING_SHARE, SUPPORT_SHARE, SUPPORT_THICKNESS};
+use super::settings::{LEAST_ALPHA, LEAST_PX, MOVING_SHARE, SCALE_DEPTH_M, SUPPORT_SHARE, SUPPORT_THICKNESS};
 use crate::clip::{ClipFrame, ViewClip};
 
 /// Steepest support: the upward part of its normal.
@@ -54,6 +55,24 @@ impl Surface {
 
     pub(crate) fn is_known(&self, index: usize) -> bool {
         self.depth_m[index].is_finite()
+    }
+}
+
+/// Median depth of the first frame, metres; 0 of none.
+pub(crate) fn median_depth_m(surfaces: &[Surface]) -> f64 {
+    let depths = surfaces.iter().take(1).flat_map(|surface| surface.depth_m.iter().step_by(7));
+    median(depths.filter(|depth_m| depth_m.is_finite()).map(|&depth_m| f64::from(depth_m)).collect())
+}
+
+/// Size of a scene that is so far away.
+pub(crate) fn scale_of(median_depth_m: f64) -> Scale {
+    let [table, room] = SCALE_DEPTH_M;
+    if median_depth_m <= table {
+        Scale::Tabletop
+    } else if median_depth_m <= room {
+        Scale::Room
+    } else {
+        Scale::Outdoor
     }
 }
 

@@ -4,10 +4,11 @@
 
 use std::collections::BTreeMap;
 
+use l4d_data::Temporal;
 use l4d_data::tracks::Tracks;
 use l4d_network::Description;
 use l4d_query::Predicate;
-use l4d_query::soft::{Belief, BeliefError, BelievedEvent, Noise, Odds, Thing, derive};
+use l4d_query::soft::{Belief, BeliefError, Noise, Odds, Ranked, Thing, derive, rank};
 
 use super::look::{Looked, log_softmax};
 use crate::geometric::motion::Kinematics;
@@ -24,45 +25,40 @@ const ANY_PERSON: f64 = 0.25;
 /// Nouns for people.
 const PEOPLE: [&str; 7] = ["person", "pedestrian", "woman", "man", "child", "cook", "athlete"];
 
-/// Boxes and what is believed of them, for one predicate.
-pub(super) struct Believed {
+/// Boxes over time and what is believed of the things in them.
+pub(super) struct Scene {
     tracks: Tracks,
     things: Vec<Thing>,
-    events: Vec<BelievedEvent>,
 }
 
-impl Believed {
-    /// The belief, checked.
-    pub(super) fn belief(&self) -> Result<Belief<'_>, BeliefError> {
+impl Scene {
+    /// What is believed of the things of a clip; none if there are none.
+    pub(super) fn of(looked: &Looked, description: &Description) -> Option<Self> {
+        let seen = &looked.perceived;
+        let all: Vec<usize> = (0..seen.tracks.len()).collect();
+        if all.is_empty() {
+            return None;
+        }
+        let moves: Vec<Kinematics> = seen.tracks.iter().map(|track| Kinematics::new(track, seen)).collect();
+        let thing = |number: &usize| {
+            Some(Thing {
+                name: name_of(*number)?,
+                kinds: kinds(&looked.kinds[*number], description),
+                attributes: attributes(&looked.values[*number], description),
+                presence: 1.0,
+            })
+        };
+        let things = all.iter().filter_map(thing).collect();
+        Some(Self { tracks: stage(seen, &moves, &all, &all)?, things })
+    }
+
+    /// The things that a predicate may mean, the best first.
+    pub(super) fn rank(&self, predicate: &Predicate, temporal: Temporal) -> Result<Vec<Ranked>, BeliefError> {
+        let events = derive::events(&self.tracks, predicate);
         let noise = Noise::perceived(self.tracks.scale);
-        Belief::new(&self.tracks, self.things.clone(), self.events.clone(), noise)
+        let belief = Belief::new(&self.tracks, self.things.clone(), events, noise)?;
+        Ok(rank(&belief, predicate, temporal))
     }
-}
-
-/// What is believed of the things of a clip; none if there are none.
-pub(super) fn believed(
-    looked: &Looked,
-    description: &Description,
-    predicate: &Predicate,
-) -> Option<Believed> {
-    let seen = &looked.perceived;
-    let all: Vec<usize> = (0..seen.tracks.len()).collect();
-    if all.is_empty() {
-        return None;
-    }
-    let moves: Vec<Kinematics> = seen.tracks.iter().map(|track| Kinematics::new(track, seen)).collect();
-    let tracks = stage(seen, &moves, &all, &all)?;
-    let thing = |number: &usize| {
-        Some(Thing {
-            name: name_of(*number)?,
-            kinds: kinds(&looked.kinds[*number], description),
-            attributes: attributes(&looked.values[*number], description),
-            presence: 1.0,
-        })
-    };
-    let things = all.iter().filter_map(thing).collect();
-    let events = derive::events(&tracks, predicate);
-    Some(Believed { tracks, things, events })
 }
 
 /// Odds of nouns from mean logarithms.

@@ -4,20 +4,18 @@
 //! colour. Knows nothing of sentences.
 
 use glam::DVec2;
+use l4d_data::Name;
 use l4d_data::parallel::in_parallel;
-use l4d_data::{Name, Scale};
 use l4d_network::{Description, Network, Picture, Seen, WeightsError};
 
 use crate::clip::{ClipFrame, ViewClip};
 use crate::geometric::lab::LabTable;
-use crate::geometric::link::link;
-use crate::geometric::perceive::{Glimpse, Perceived, Track, median};
+use crate::geometric::link::{lasts, link};
+use crate::geometric::perceive::{Glimpse, Perceived, Track};
 use crate::geometric::segment::glimpse;
 use crate::geometric::stage::name_of;
-use crate::geometric::surface::Surface;
+use crate::geometric::surface::{Surface, median_depth_m, scale_of};
 
-/// Median depth up to which a scene is a tabletop, and up to which it is a room; metres.
-const SCALE_DEPTH_M: [f64; 2] = [1.7, 5.0];
 /// Least pixels of a thing, as a share of the picture.
 const LEAST_SHARE: f64 = 0.0003;
 /// Pixels from which one glimpse of a thing counts fully.
@@ -57,16 +55,9 @@ pub(super) fn look(clip: &ViewClip, network: &Network, table: &LabTable) -> Resu
     let surfaces: Vec<Surface> = clip.frames.iter().map(|frame| Surface::new(clip, frame, table)).collect();
     let glimpses = seen.iter().zip(&surfaces).map(|(seen, surface)| glimpses_of(seen, surface));
     let seconds: Vec<f64> = frames.iter().map(|&frame| clip.timeline.seconds(frame)).collect();
-    let chains = link(glimpses.collect(), &seconds);
-    let least = (frames.len() / 12).clamp(1, 4);
-    let tracks: Vec<Track> = chains
-        .into_iter()
-        .filter(|chain| chain.iter().flatten().count() >= least)
-        .map(|glimpses| Track { glimpses })
-        .collect();
-    let depths = surfaces.iter().take(1).flat_map(|surface| surface.depth_m.iter().step_by(7));
-    let depths = depths.filter(|depth_m| depth_m.is_finite()).map(|&depth_m| f64::from(depth_m));
-    let median_depth_m = median(depths.collect());
+    let chains = link(glimpses.collect(), &seconds).into_iter().filter(lasts);
+    let tracks: Vec<Track> = chains.map(|glimpses| Track { glimpses }).collect();
+    let median_depth_m = median_depth_m(&surfaces);
     let middle = frames.get(frames.len() / 2).copied().unwrap_or(0);
     let (kinds, values) = tracks.iter().map(|track| described(track, &seen)).unzip();
     let perceived = Perceived {
@@ -132,15 +123,4 @@ pub(super) fn log_softmax(logits: &[f32]) -> Vec<f32> {
     let most = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     let total: f32 = logits.iter().map(|value| (value - most).exp()).sum();
     logits.iter().map(|value| value - most - total.ln()).collect()
-}
-
-fn scale_of(median_depth_m: f64) -> Scale {
-    let [table, room] = SCALE_DEPTH_M;
-    if median_depth_m <= table {
-        Scale::Tabletop
-    } else if median_depth_m <= room {
-        Scale::Room
-    } else {
-        Scale::Outdoor
-    }
 }

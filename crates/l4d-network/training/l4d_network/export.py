@@ -72,7 +72,6 @@ def write(network: Network, out: Path, card: dict) -> None:
 
 def _fold(network: Network) -> None:
     """Batch normalisation becomes part of the convolution before it."""
-    names = dict(network.named_modules())
     for block in getattr(network.encoder, "blocks", ()):
         for conv, norm in (("_expand_conv", "_bn0"), ("_depthwise_conv", "_bn1"), ("_project_conv", "_bn2")):
             if hasattr(block, conv) and hasattr(block, norm):
@@ -81,7 +80,7 @@ def _fold(network: Network) -> None:
     if isinstance(getattr(network.encoder, "norm", None), nn.BatchNorm2d):
         _fold_pair(network.encoder.stem, network.encoder.norm)
         network.encoder.norm = nn.Identity()
-    for module in names.values():
+    for module in list(network.modules()):
         padding = getattr(module, "static_padding", None)
         if isinstance(padding, nn.ZeroPad2d):
             left, right, top, bottom = padding.padding
