@@ -71,7 +71,7 @@ fn the_quickstart_ends_with_a_leaderboard() {
     assert_eq!(scores["time-agnostic"]["miou"], 100.0, "the paper's mIoU was expected to be blind to time");
     assert!(tube("random-look-alike") < tube("look-alike-union").max(tube("time-agnostic")));
 
-    let solver = &scores["panopticquery-geometric"];
+    let solver = &scores["panopticquery-panoptic"];
     assert!(solver["miou"].as_f64().unwrap() > 10.0, "the ranked row says nothing: {solver}");
     assert!(scores["panopticquery-oracle"]["miou"].as_f64().unwrap() > 60.0);
     assert!(said.contains("leaderboard/index.html"), "the page is not named:\n{said}");

@@ -14,7 +14,7 @@ use crate::support::{Dir, query};
 use crate::world::SCENE;
 
 const SOLVE: &str = "solve --profile tiny --data data";
-const METHOD: &str = "panopticquery-geometric";
+const METHOD: &str = "panopticquery-panoptic";
 
 /// Takes away all that knows more than a camera with a depth sensor, and what was drawn before.
 fn blind(dir: &Dir) {
@@ -111,7 +111,7 @@ fn what_nothing_satisfies_is_absent_or_beyond_its_words() {
     let solved = dir.succeed(format!("{SOLVE} --set absents"));
     solved.says(0, &["8 unsupported"]);
     assert!(!solved.stderr.contains("did not answer"), "{solved}");
-    let name = "panopticquery-geometric-absents";
+    let name = "panopticquery-panoptic-absents";
     for number in ["902", "903"] {
         let masks = dir.read(&format!("results/{name}/masks/{SCENE}/{number}.json"));
         assert!(!masks.contains(":\""), "{number} claims something: {masks}");

@@ -93,7 +93,7 @@ fn what_a_model_does_not_say_is_asked_for() {
     let asked = query("wall/001", "the red ball", "attribute", &["ball"], "whole", [0, 96]);
     dir.write("benchmark/queries/wall.jsonl", format!("{asked}\n"));
     copy(&dir.path("output/panoptic"), &dir.path("work/tiny/wall/splats"));
-    let solve = "solve --profile tiny --grounder geometric";
+    let solve = "solve --profile tiny --grounder panoptic";
     dir.refuses(solve, &["nothing says at which times", "--reader panoptic"]);
     // By a flag, by a copy of the card, and by hand.
     dir.succeed(format!("{stray} --reader panoptic --out flag"));

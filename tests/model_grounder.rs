@@ -117,8 +117,8 @@ fn a_file_that_names_no_worker_is_refused() {
     }
     grounder(&dir, "worker = \"box\"", "nowhere");
     dir.refuses(SOLVE, &["nowhere", "not there", "`package`"]);
-    let geometric = "solve --profile tiny --data data --dry-run";
-    dir.refuses(geometric, &["geometric asks no model server"]);
+    let panoptic = "solve --profile tiny --data data --dry-run";
+    dir.refuses(panoptic, &["panoptic asks no model server"]);
     assert_eq!(server.count(), 0);
 }
 

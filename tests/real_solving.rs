@@ -218,7 +218,7 @@ fn one_sentence_is_answered_without_masks_and_without_a_benchmark() {
     dir.refuses(format!("{query} --to 11"), &["--to 11 is beyond the clip", "frames are 2 to 10"]);
     dir.refuses(
         format!("{query} --grounder oracle"),
-        &["benchmark has none about scene twins", "ask with --grounder geometric"],
+        &["benchmark has none about scene twins", "ask with --grounder panoptic"],
     );
 }
 

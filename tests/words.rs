@@ -21,11 +21,10 @@ const BANNED: [(&str, &str); 12] = [
 ];
 
 /// Texts that speak of things that stand, and not of files and numbers: language models read them, or they are a lexicon.
-const EXEMPT: [&str; 9] = [
+const EXEMPT: [&str; 8] = [
     "crates/l4d-english/src/wide",
     "crates/l4d-english/src/wide.rs",
     "crates/l4d-ground/src/vlm/prompts",
-    "crates/l4d-ground/src/geometric",
     "crates/l4d-propose/briefs",
     "crates/l4d-propose/src",
     "crates/l4d-query/src",

@@ -4,7 +4,7 @@
     cargo build --release --manifest-path work/constants/tree/Cargo.toml
     python benchmark/perf/constants.py run train --scenes outdoor_0501,room_0505,tabletop_0509
     python benchmark/perf/constants.py run solve
-    python benchmark/perf/constants.py run geometric
+    python benchmark/perf/constants.py run panoptic
     python benchmark/perf/constants.py table
 
 Constants are compiled in. `open` copies the sources and makes those that `constants.toml` lists ask a
@@ -17,7 +17,7 @@ scenes.
 
 `train` learns each scene anew and takes the PSNR of its held-out view, `sweep` does so without depth; `solve`
 asks the oracle with the errors of `constants_noise.toml` about the models that `train` made as shipped, and
-takes mIoU; so does `geometric`, with its own masks. All of it is about one benchmark folder, by default
+takes mIoU; so does `panoptic`, with its own masks. All of it is about one benchmark folder, by default
 `benchmark/dev`: nothing may be chosen on the test set.
 """
 
@@ -42,8 +42,8 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-STAGES = ("train", "sweep", "solve", "geometric")
-UNITS = {"train": "dB", "sweep": "dB", "solve": "mIoU", "geometric": "mIoU"}
+STAGES = ("train", "sweep", "solve", "panoptic")
+UNITS = {"train": "dB", "sweep": "dB", "solve": "mIoU", "panoptic": "mIoU"}
 SHIPPED = "shipped"
 
 HELPER = """//! Constants that the environment may replace.
@@ -110,7 +110,7 @@ def constants(stage: str) -> list[Constant]:
     for key in listed.get("all_of", []):
         path = ROOT / "crates" / listed["files"][key]
         names = re.findall(
-            r"^pub\(crate\) const (\w+): (?:f32|f64|usize|u32) =", path.read_text(), re.MULTILINE
+            r"^pub\(\w+\) const (\w+): (?:f32|f64|usize|u32) =", path.read_text(), re.MULTILINE
         )
         users = sorted(
             str(file.relative_to(ROOT / "crates")) for file in path.parent.rglob("*.rs") if file != path
@@ -277,7 +277,7 @@ def solved(options: argparse.Namespace, scenes: list[str], said: str, scratch: P
     """mIoU by scene, percent, of answers with one constant changed."""
     grounder = {
         "solve": ["--grounder", "oracle", "--noise", HERE / "constants_noise.toml"],
-        "geometric": ["--grounder", "geometric"],
+        "panoptic": ["--grounder", "panoptic"],
     }[options.stage]
     about = ["--bench", options.bench, "--profile", options.profile, "--scenes", ",".join(scenes)]
     places = ["--data", options.data, "--work", options.work]

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use anyhow::Result;
 use l4d_data::workspace::SharedWork;
 use l4d_data::{Profile, Workspace};
-use l4d_ground::geometric::Geometric;
 use l4d_ground::oracle::NoisePreset;
 use l4d_ground::panoptic::Panoptic;
 use l4d_solve::grounders::Grounders;
@@ -43,7 +42,6 @@ pub(crate) fn open_grounders(args: &MethodArgs, work: &SharedWork, out: &Printer
     let strays = [
         ("--noise", args.noise.is_some(), GrounderArg::Oracle),
         ("--masks", args.masks.is_some(), GrounderArg::Files),
-        ("--weights", args.weights.is_some(), GrounderArg::Panoptic),
         ("--grounder-file", args.grounder_file.is_some(), GrounderArg::Model),
     ];
     for (flag, is_given, grounder) in strays {
@@ -54,13 +52,18 @@ pub(crate) fn open_grounders(args: &MethodArgs, work: &SharedWork, out: &Printer
             ));
         }
     }
+    if args.weights.is_some() && !matches!(args.grounder, GrounderArg::Panoptic | GrounderArg::PanopticFused)
+    {
+        return Err(refusal(
+            format!("--weights says nothing to grounder {}", args.grounder.as_str()),
+            "add --grounder panoptic, or leave it out",
+        ));
+    }
+    let panoptic = || args.weights.as_deref().map_or_else(Panoptic::shipped, Panoptic::open).map(Arc::new);
     let lacking = |flag: &str| refusal(format!("grounder {} needs {flag}", args.grounder.as_str()), "add it");
     Ok(match args.grounder {
-        GrounderArg::Geometric => Grounders::Shared(Arc::new(Geometric::default())),
-        GrounderArg::Panoptic => {
-            let folder = args.weights.as_deref().ok_or_else(|| lacking("--weights"))?;
-            Grounders::Shared(Arc::new(Panoptic::open(folder)?))
-        }
+        GrounderArg::Panoptic => Grounders::Shared(panoptic()?),
+        GrounderArg::PanopticFused => Grounders::Fused(panoptic()?),
         GrounderArg::Oracle => {
             let noise = args.noise.as_deref().map(NoisePreset::read).transpose()?;
             Grounders::Oracle(noise.unwrap_or_else(NoisePreset::none))

@@ -7,7 +7,6 @@
 
 pub mod clip;
 pub mod files;
-pub mod geometric;
 pub mod grounder;
 mod grounder_file;
 pub mod oracle;

@@ -5,7 +5,15 @@
 //! down. Owns no rule of English and no meaning of a clause: `l4d-english` reads, `l4d-query` judges.
 
 mod believe;
+mod fuse;
+mod fused;
+mod lab;
+mod link;
 mod look;
+mod motion;
+mod perceive;
+mod stage;
+mod surface;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,14 +24,16 @@ use l4d_data::{Role, StageError, Temporal};
 use l4d_english::{Reading, Unread, Vocabulary, Words, understand};
 use l4d_masks::Mask;
 use l4d_network::{Description, Network, WeightsError};
-use l4d_query::soft::Ranked;
+use l4d_query::soft::{BeliefError, Ranked};
 use l4d_query::verbs;
 use serde_json::{Value, json};
 
+pub use self::fused::Fused;
+
 use self::believe::Scene;
+use self::lab::LabTable;
 use self::look::{Looked, look};
 use crate::clip::ViewClip;
-use crate::geometric::lab::LabTable;
 use crate::grounder::{Grounder, Grounding, Outcome, Question};
 use crate::remembered::Remembered;
 use crate::unreadable::{Reason, Unreadable};
@@ -64,6 +74,17 @@ impl Panoptic {
         })
     }
 
+    /// The grounder with the weights that l4d ships.
+    ///
+    /// # Errors
+    /// None that a tested build can have.
+    pub fn shipped() -> Result<Self, StageError> {
+        let network = Network::shipped();
+        network.map(Self::of).map_err(|error| {
+            StageError::new(format!("the shipped weights: {error}"), "build l4d again from a clean checkout")
+        })
+    }
+
     fn of(network: Network) -> Self {
         Self {
             words: vocabulary(network.description()),
@@ -86,6 +107,19 @@ impl Panoptic {
             return Err(Unreadable::words(Reason::Bare, [&noun]));
         }
         Ok(best)
+    }
+
+    /// Ranks what is seen by how well the sentence describes it.
+    fn judge(&self, seen: &Seen, reading: &Reading) -> Result<Judged, BeliefError> {
+        let (predicate, temporal) = (&reading.predicate, reading.temporal);
+        let mut notes = vec![format!("reads the sentence as {predicate}")];
+        notes.extend(reading.note());
+        let ranked = seen.scene.as_ref().map(|scene| scene.rank(predicate, temporal)).transpose()?;
+        let ranked = ranked.unwrap_or_default();
+        notes.push(format!("sees {} things", seen.looked.perceived.tracks.len()));
+        let description = self.network.description();
+        notes.extend(ranked.iter().take(TOLD).map(|one| told(one, &seen.looked, description)));
+        Ok(Judged { best: ranked.into_iter().next(), temporal, notes })
     }
 
     fn seen(&self, clip: &ViewClip) -> Result<Arc<Seen>, WeightsError> {
@@ -124,24 +158,46 @@ impl Grounder for Panoptic {
             Ok(reading) => reading,
             Err(unread) => return Grounding::without_answer(Outcome::Unsupported(unread)),
         };
-        let (predicate, temporal) = (&reading.predicate, reading.temporal);
         let seen = match self.seen(clip) {
             Ok(seen) => seen,
             Err(error) => return Grounding::without_answer(Outcome::Error(error.to_string())),
         };
-        let looked = &seen.looked;
-        let mut notes = vec![format!("reads the sentence as {predicate}")];
-        notes.extend(reading.note());
-        let ranked = match seen.scene.as_ref().map(|scene| scene.rank(predicate, temporal)).transpose() {
-            Ok(ranked) => ranked.unwrap_or_default(),
-            Err(error) => return Grounding::without_answer(Outcome::Error(error.to_string())),
+        match self.judge(&seen, &reading) {
+            Ok(judged) => {
+                let track = judged.best.as_ref().and_then(|best| seen.looked.number(&best.name));
+                judged.shown(clip, &seen.looked, track.as_slice(), question)
+            }
+            Err(error) => Grounding::without_answer(Outcome::Error(error.to_string())),
+        }
+    }
+}
+
+/// What a sentence means among the things that are seen.
+struct Judged {
+    best: Option<Ranked>,
+    temporal: Temporal,
+    notes: Vec<String>,
+}
+
+impl Judged {
+    /// The answer in one view, in which these tracks are what is meant.
+    fn shown(self, clip: &ViewClip, looked: &Looked, tracks: &[usize], question: &Question) -> Grounding {
+        let seen = &looked.perceived;
+        let likely = self.best.as_ref().map(|best| best.when.likely());
+        let is_open = |frame: u32| {
+            self.temporal == Temporal::Whole
+                || likely.as_ref().is_some_and(|likely| likely.at(seen.timeline.canonical(frame)))
         };
-        notes.push(format!("sees {} things", looked.perceived.tracks.len()));
-        notes.extend(ranked.iter().take(TOLD).map(|one| told(one, looked, self.network.description())));
-        let masks = ranked.first().map_or_else(BTreeMap::new, |best| masks_of(best, temporal, looked));
         let is_asked = |frame: u32| question.range.is_none_or(|range| range.contains(frame));
-        let masks = masks.into_iter().filter(|(frame, _)| is_asked(*frame)).collect();
-        Grounding::of_masks(clip, masks, notes)
+        let mut masks: BTreeMap<u32, Mask> = BTreeMap::new();
+        for (index, glimpse) in tracks.iter().flat_map(|track| seen.tracks[*track].seen()) {
+            let frame = seen.frames[index];
+            if is_open(frame) && is_asked(frame) {
+                let mask = masks.entry(frame).or_insert_with(|| Mask::empty(clip.width, clip.height));
+                mask.union_with(&glimpse.mask);
+            }
+        }
+        Grounding::of_masks(clip, masks, self.notes)
     }
 }
 
@@ -154,20 +210,6 @@ fn vocabulary(description: &Description) -> Vocabulary {
     }
     words.verbs.extend(verbs::lexicon().into_iter().map(str::to_owned));
     words
-}
-
-/// The masks of the thing that is meant, in the frames in which it is.
-fn masks_of(best: &Ranked, temporal: Temporal, looked: &Looked) -> BTreeMap<u32, Mask> {
-    let Some(track) = looked.track(&best.name) else { return BTreeMap::new() };
-    let likely = best.when.likely();
-    let is_open =
-        |frame: u32| temporal == Temporal::Whole || likely.at(looked.perceived.timeline.canonical(frame));
-    track
-        .seen()
-        .map(|(index, glimpse)| (looked.perceived.frames[index], glimpse))
-        .filter(|(frame, _)| is_open(*frame))
-        .map(|(frame, glimpse)| (frame, glimpse.mask.clone()))
-        .collect()
 }
 
 /// A candidate, for people.

@@ -13,12 +13,8 @@ const LONGEST_WORD: usize = 32;
 pub enum Reason {
     /// The grounder does not know the words.
     Unknown,
-    /// It knows the words, but cannot read them in this order.
-    Grammar,
     /// The words name a kind of thing, and nothing tells one of that kind from another.
     Bare,
-    /// It reads the sentence, but measures nothing that tells of the words.
-    Unmeasured,
     /// Anything else, in a clause that can follow a colon.
     Other(String),
 }
@@ -49,16 +45,14 @@ impl Unreadable {
     fn message(&self) -> String {
         match &self.reason {
             Reason::Unknown => format!("cannot read {}", self.listed()),
-            Reason::Grammar => format!("cannot read \"{}\" in this place", self.passage()),
             Reason::Bare => format!("\"{}\" says nothing beside the kind of thing", self.passage()),
-            Reason::Unmeasured => format!("reads {}, but measures nothing that tells of it", self.listed()),
             Reason::Other(why) => why.clone(),
         }
     }
 
     /// The words as they follow each other.
     fn passage(&self) -> String {
-        let named = self.words[..self.words.len().min(MOST_NAMED)].join(" ").replace(" ,", ",");
+        let named = self.words[..self.words.len().min(MOST_NAMED)].join(" ");
         if self.words.len() > MOST_NAMED { format!("{named} ...") } else { named }
     }
 
@@ -88,12 +82,10 @@ mod tests {
         };
         assert_eq!(message(Reason::Unknown, "flurb"), "cannot read \"flurb\"");
         assert_eq!(message(Reason::Unknown, "der rote eimer"), "cannot read \"der\", \"rote\" and \"eimer\"");
-        assert_eq!(message(Reason::Grammar, "plays , too"), "cannot read \"plays, too\" in this place");
         assert_eq!(message(Reason::Bare, "the cup"), "\"the cup\" says nothing beside the kind of thing");
-        assert!(message(Reason::Unmeasured, "lid").starts_with("reads \"lid\", but"));
         let many = vec!["word"; 60].join(" ");
         assert!(message(Reason::Unknown, &many).ends_with("\"word\" and 52 more words"));
-        assert!(message(Reason::Grammar, &many).contains("word ...\""));
+        assert!(message(Reason::Bare, &many).contains("word ...\""));
         assert!(message(Reason::Unknown, &"a".repeat(500)).len() < 60);
     }
 }

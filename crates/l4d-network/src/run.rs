@@ -62,6 +62,15 @@ pub struct Network {
 }
 
 impl Network {
+    /// The weights that l4d ships.
+    ///
+    /// # Errors
+    /// None that a tested build can have.
+    pub fn shipped() -> Result<Self, WeightsError> {
+        let weights = include_bytes!("../weights/perception.onnx");
+        Self::load(weights.to_vec(), include_str!("../weights/perception.json"))
+    }
+
     /// Loads weights that belong to a description.
     ///
     /// # Errors

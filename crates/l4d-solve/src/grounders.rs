@@ -9,6 +9,7 @@ use l4d_data::{Query, StageError};
 use l4d_ground::Grounder;
 use l4d_ground::files::Files;
 use l4d_ground::oracle::{NoisePreset, Oracle, Target, open_ids};
+use l4d_ground::panoptic::{Fused, Panoptic};
 use l4d_ground::vlm::Vlm;
 
 use crate::clips::Plan;
@@ -18,6 +19,8 @@ use crate::scene::SolveScene;
 pub enum Grounders {
     /// One for all scenes.
     Shared(Arc<dyn Grounder + Send + Sync>),
+    /// What looks at all views of a scene before it answers.
+    Fused(Arc<Panoptic>),
     /// One for all scenes, which asks a model server.
     Vlm(Arc<Vlm>),
     /// The truth of a scene, with these errors.
@@ -27,10 +30,11 @@ pub enum Grounders {
 }
 
 impl Grounders {
-    /// The one that is the same for all scenes, if it is.
+    /// The one that reads sentences before a scene is known, if there is one.
     pub fn of_any_scene(&self) -> Option<&dyn Grounder> {
         match self {
             Self::Shared(grounder) => Some(grounder.as_ref()),
+            Self::Fused(panoptic) => Some(panoptic.as_ref()),
             Self::Vlm(vlm) => Some(vlm.as_ref()),
             Self::Oracle(_) | Self::Files(_) => None,
         }
@@ -48,6 +52,7 @@ impl Grounders {
     ) -> Result<Arc<dyn Grounder + Send + Sync>, StageError> {
         Ok(match self {
             Self::Shared(grounder) => Arc::clone(grounder),
+            Self::Fused(panoptic) => Arc::new(Fused::new(Arc::clone(panoptic), &scene.clips)?),
             Self::Vlm(vlm) => Arc::clone(vlm) as _,
             Self::Files(root) => Arc::new(Files::open(root, scene.name.clone())?),
             Self::Oracle(noise) => {
@@ -70,7 +75,7 @@ impl Grounders {
     pub fn vlm(&self) -> Option<&Vlm> {
         match self {
             Self::Vlm(vlm) => Some(vlm),
-            Self::Shared(_) | Self::Oracle(_) | Self::Files(_) => None,
+            Self::Shared(_) | Self::Fused(_) | Self::Oracle(_) | Self::Files(_) => None,
         }
     }
 

@@ -120,7 +120,7 @@ mod tests {
             abstain: false,
             lift: None,
         };
-        assert_eq!(usual.default_name("geometric", false, QuerySet::Queries), "panopticquery-geometric");
+        assert_eq!(usual.default_name("panoptic", false, QuerySet::Queries), "panopticquery-panoptic");
         let other = MethodChoice {
             preset: Preset::Paper,
             views: 4,

@@ -15,10 +15,10 @@ use super::{BenchArgs, number, one_of};
 /// Who finds in one view what a sentence means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum GrounderArg {
-    /// Geometry and colour of the clips: no model, no truth
-    Geometric,
-    /// A trained network, whose weights are in --weights (docs/network.md)
+    /// A small network, trained on composed scenes of the same assets (docs/network.md): no truth, nothing to download
     Panoptic,
+    /// The same, of all views together: they are put into one scene before a sentence is judged
+    PanopticFused,
     /// The truth of the training views, with the errors of --noise; never ranked
     Oracle,
     /// Masks that were made elsewhere, in --masks
@@ -30,8 +30,8 @@ pub(crate) enum GrounderArg {
 impl GrounderArg {
     pub(crate) fn as_str(self) -> &'static str {
         match self {
-            Self::Geometric => "geometric",
             Self::Panoptic => "panoptic",
+            Self::PanopticFused => "panoptic-fused",
             Self::Oracle => "oracle",
             Self::Files => "files",
             Self::Model => "model",
@@ -43,7 +43,7 @@ impl GrounderArg {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct MethodArgs {
     /// Who finds in one view what a sentence means
-    #[arg(long, value_enum, default_value = "geometric")]
+    #[arg(long, value_enum, default_value = "panoptic")]
     pub(crate) grounder: GrounderArg,
     /// Errors of the oracle; default: none
     #[arg(long, value_name = "TOML")]
@@ -54,8 +54,8 @@ pub(crate) struct MethodArgs {
     /// Which segmenter, and how it is coupled with a vision-language model (docs/workers.md)
     #[arg(long, value_name = "TOML", required_if_eq("grounder", "model"))]
     pub(crate) grounder_file: Option<PathBuf>,
-    /// Folder of perception.onnx and perception.json
-    #[arg(long, value_name = "DIR", required_if_eq("grounder", "panoptic"))]
+    /// Weights of your own for panoptic: a folder of perception.onnx and perception.json
+    #[arg(long, value_name = "DIR")]
     pub(crate) weights: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) server: ServerArgs,

@@ -19,7 +19,7 @@ use crate::cli::{Cli, Command, QuickstartArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
 /// The method that is ranked; what `solve` calls its results by default.
-const METHOD: &str = "panopticquery-geometric";
+const METHOD: &str = "panopticquery-panoptic";
 /// Sentences that the last lines propose to ask.
 const PROPOSED: usize = 2;
 
@@ -110,7 +110,7 @@ fn steps(args: &QuickstartArgs, scene: &Name, folder: &Path) -> Vec<(&'static st
         ),
         (
             "PanopticQuery answers every sentence, without a downloaded model and without instance ids",
-            solve("geometric"),
+            solve("panoptic"),
         ),
         (
             "The same from the true masks of the training cameras: what a perfect grounder would reach",

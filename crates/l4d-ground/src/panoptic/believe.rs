@@ -11,8 +11,8 @@ use l4d_query::Predicate;
 use l4d_query::soft::{Belief, BeliefError, Noise, Odds, Ranked, Thing, derive, rank};
 
 use super::look::{Looked, log_softmax};
-use crate::geometric::motion::Kinematics;
-use crate::geometric::stage::{name_of, stage};
+use super::motion::Kinematics;
+use super::stage::{name_of, stage};
 
 /// How sharply the mean over glimpses decides: that of several is surer than each.
 const KIND_POWER: f32 = 2.0;
@@ -45,7 +45,7 @@ impl Scene {
                 name: name_of(*number)?,
                 kinds: kinds(&looked.kinds[*number], description),
                 attributes: attributes(&looked.values[*number], description),
-                presence: 1.0,
+                presence: looked.presence[*number],
             })
         };
         let things = all.iter().filter_map(thing).collect();

@@ -8,18 +8,20 @@ use l4d_data::Name;
 use l4d_data::parallel::in_parallel;
 use l4d_network::{Description, Network, Picture, Seen, WeightsError};
 
+use super::lab::LabTable;
+use super::link::{lasts, link};
+use super::perceive::{Glimpse, Perceived, Track};
+use super::stage::name_of;
+use super::surface::{Surface, median_depth_m, scale_of};
 use crate::clip::{ClipFrame, ViewClip};
-use crate::geometric::lab::LabTable;
-use crate::geometric::link::{lasts, link};
-use crate::geometric::perceive::{Glimpse, Perceived, Track};
-use crate::geometric::segment::glimpse;
-use crate::geometric::stage::name_of;
-use crate::geometric::surface::{Surface, median_depth_m, scale_of};
 
 /// Least pixels of a thing, as a share of the picture.
 const LEAST_SHARE: f64 = 0.0003;
 /// Pixels from which one glimpse of a thing counts fully.
 const FULL_PX: f64 = 400.0;
+
+/// How much a thing counts less that is seen in few frames: power of their share.
+pub(super) const PRESENCE_POWER: f64 = 0.5;
 
 /// What is seen over a clip, and what each track may be.
 pub(super) struct Looked {
@@ -28,14 +30,13 @@ pub(super) struct Looked {
     pub(super) kinds: Vec<Vec<f32>>,
     /// Mean logits of values, by track.
     pub(super) values: Vec<Vec<f32>>,
+    /// How far each track is a thing at all, 0 to 1.
+    pub(super) presence: Vec<f64>,
+    /// How much each track was seen: what it counts when views are put together.
+    pub(super) weights: Vec<f32>,
 }
 
 impl Looked {
-    /// The track of that name.
-    pub(super) fn track(&self, name: &Name) -> Option<&Track> {
-        self.number(name).and_then(|number| self.perceived.tracks.get(number))
-    }
-
     /// The noun that fits it best.
     pub(super) fn likeliest<'d>(&self, name: &Name, description: &'d Description) -> &'d str {
         let kinds = self.number(name).and_then(|number| self.kinds.get(number));
@@ -43,7 +44,8 @@ impl Looked {
         best.and_then(|best| description.kinds.get(best)).map_or("thing", String::as_str)
     }
 
-    fn number(&self, name: &Name) -> Option<usize> {
+    /// The number of the track of that name.
+    pub(super) fn number(&self, name: &Name) -> Option<usize> {
         (0..self.perceived.tracks.len()).find(|number| name_of(*number).as_ref() == Some(name))
     }
 }
@@ -59,6 +61,10 @@ pub(super) fn look(clip: &ViewClip, network: &Network, table: &LabTable) -> Resu
     let tracks: Vec<Track> = chains.map(|glimpses| Track { glimpses }).collect();
     let median_depth_m = median_depth_m(&surfaces);
     let middle = frames.get(frames.len() / 2).copied().unwrap_or(0);
+    let presence_of =
+        |track: &Track| (track.seen().count() as f64 / frames.len() as f64).powf(PRESENCE_POWER);
+    let presence = tracks.iter().map(presence_of).collect();
+    let weights = tracks.iter().map(|track| track.seen().map(|(_, glimpse)| share(glimpse)).sum()).collect();
     let (kinds, values) = tracks.iter().map(|track| described(track, &seen)).unzip();
     let perceived = Perceived {
         tracks,
@@ -66,11 +72,9 @@ pub(super) fn look(clip: &ViewClip, network: &Network, table: &LabTable) -> Resu
         scale: scale_of(median_depth_m),
         spacing_m: median_depth_m / clip.camera.fx.max(1e-9),
         eye: clip.camera.unproject(middle, DVec2::ZERO, 0.0),
-        focus: None,
-        levels_m: Vec::new(),
         frames,
     };
-    Ok(Looked { perceived, kinds, values })
+    Ok(Looked { perceived, kinds, values, weights, presence })
 }
 
 fn look_at_all(clip: &ViewClip, network: &Network) -> Result<Vec<Seen>, WeightsError> {
@@ -97,8 +101,13 @@ fn glimpses_of(seen: &Seen, surface: &Surface) -> Vec<Glimpse> {
         .iter()
         .enumerate()
         .filter(|(_, members)| members.len() >= least)
-        .map(|(number, members)| Glimpse { number, ..glimpse(surface, members) })
+        .map(|(number, members)| surface.glimpse(number, members))
         .collect()
+}
+
+/// How much a glimpse tells.
+fn share(glimpse: &Glimpse) -> f32 {
+    (glimpse.area_px as f64).min(FULL_PX).sqrt() as f32
 }
 
 /// Means over the glimpses of a track; larger ones count more.
@@ -108,7 +117,7 @@ fn described(track: &Track, seen: &[Seen]) -> (Vec<f32>, Vec<f32>) {
     let mut total = 0.0;
     for (index, glimpse) in track.seen() {
         let Some(found) = seen[index].found.get(glimpse.number) else { continue };
-        let share = (glimpse.area_px as f64).min(FULL_PX).sqrt() as f32;
+        let share = share(glimpse);
         kinds.resize(found.kinds.len(), 0.0);
         values.resize(found.values.len(), 0.0);
         kinds.iter_mut().zip(log_softmax(&found.kinds)).for_each(|(sum, value)| *sum += share * value);

@@ -75,7 +75,7 @@ impl Answer {
     pub(super) fn unread(unread: &Unreadable, text: &str, known: &Known, grounder: &dyn Grounder) -> Self {
         let nearest = known.nearest(text, |sentence| grounder.reads(sentence).is_ok());
         let mut message = format!("no answer: {unread}");
-        let is_about_words = matches!(unread.reason, Reason::Unknown | Reason::Grammar | Reason::Bare);
+        let is_about_words = matches!(unread.reason, Reason::Unknown | Reason::Bare);
         if let Some(knows) = grounder.knows().filter(|_| is_about_words) {
             message += &format!("; it knows {knows}");
         }

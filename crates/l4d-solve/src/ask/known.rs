@@ -48,11 +48,11 @@ impl Known {
         let (message, hint) = match self.nearest(text, |_| true) {
             Some(nearest) => (
                 format!("{rule}, and this is none of those about scene {scene}"),
-                format!("ask \"{nearest}\", or ask with --grounder geometric"),
+                format!("ask \"{nearest}\", or ask with --grounder panoptic"),
             ),
             None => (
                 format!("{rule}, and {bench} has none about scene {scene}"),
-                "name the folder of the benchmark with --bench, or ask with --grounder geometric".to_owned(),
+                "name the folder of the benchmark with --bench, or ask with --grounder panoptic".to_owned(),
             ),
         };
         StageError::new(message, hint)

@@ -14,13 +14,13 @@ use super::perceive::{Glimpse, Perceived, Track};
 const HEADING_SPEED: f64 = 0.3;
 
 /// Name of a track on the stage.
-pub(crate) fn name_of(track: usize) -> Option<Name> {
+pub(super) fn name_of(track: usize) -> Option<Name> {
     Name::new(format!("t{track}")).ok()
 }
 
 /// Estimated tracks as those of a scene, with the distances of `subjects` to `others`. What has no front of its own is
 /// taken to face the camera: "in front of the tree" is between tree and camera.
-pub(crate) fn stage(
+pub(super) fn stage(
     seen: &Perceived,
     moves: &[Kinematics],
     subjects: &[usize],

@@ -2,8 +2,11 @@
 
 use super::lab::distance;
 use super::perceive::Glimpse;
-use super::settings::{LINK_AFFINITY, LINK_SPEED};
 
+/// Least affinity with which what is seen goes on with a track.
+const LINK_AFFINITY: f64 = 0.2;
+/// Speed with which things may move between frames, lengths per second.
+const LINK_SPEED: f64 = 2.0;
 /// Frames of the clip after which a track that isn't seen is given up for new segments at once.
 const PATIENCE: usize = 3;
 /// Share of the affinity that overlap in the picture decides; nearness in space decides the rest.
@@ -19,15 +22,15 @@ const LONGEST_PAUSE_S: f64 = 1.0;
 const STITCH_COST: f64 = 0.05;
 
 /// Glimpses of one thing, by frame index.
-pub(crate) type Chain = Vec<Option<Glimpse>>;
+pub(super) type Chain = Vec<Option<Glimpse>>;
 
 /// Whether a chain is seen in enough of its frames to be a thing.
-pub(crate) fn lasts(chain: &Chain) -> bool {
+pub(super) fn lasts(chain: &Chain) -> bool {
     chain.iter().flatten().count() >= (chain.len() / 12).clamp(1, 4)
 }
 
 /// Links segments over the frames; `seconds` are the times of the frames.
-pub(crate) fn link(frames: Vec<Vec<Glimpse>>, seconds: &[f64]) -> Vec<Chain> {
+pub(super) fn link(frames: Vec<Vec<Glimpse>>, seconds: &[f64]) -> Vec<Chain> {
     let count = frames.len();
     let mut chains: Vec<Chain> = Vec::new();
     let mut last_seen: Vec<usize> = Vec::new();

@@ -7,7 +7,7 @@ fn linear(byte: u8) -> f32 {
 }
 
 /// L*a*b* of a display colour.
-pub(crate) fn lab_of(rgb: [u8; 3]) -> [f32; 3] {
+pub(super) fn lab_of(rgb: [u8; 3]) -> [f32; 3] {
     let [r, g, b] = rgb.map(linear);
     let x = (0.412_456 * r + 0.357_576 * g + 0.180_438 * b) / 0.950_47;
     let y = 0.212_673 * r + 0.715_152 * g + 0.072_175 * b;
@@ -20,23 +20,23 @@ pub(crate) fn lab_of(rgb: [u8; 3]) -> [f32; 3] {
 }
 
 /// Distance of two colours (CIE 1976).
-pub(crate) fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
+pub(super) fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
     (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f32>().sqrt()
 }
 
 /// [`lab_of`] tabulated over colours of five bits a channel: pictures have many pixels and few colours.
 #[derive(Debug)]
-pub(crate) struct LabTable(Vec<[f32; 3]>);
+pub(super) struct LabTable(Vec<[f32; 3]>);
 
 impl LabTable {
     /// All colours.
-    pub(crate) fn new() -> Self {
+    pub(super) fn new() -> Self {
         let byte = |bits: usize| ((bits & 31) << 3 | 4) as u8;
         Self((0..1 << 15).map(|code| lab_of([byte(code >> 10), byte(code >> 5), byte(code)])).collect())
     }
 
     /// L*a*b* of the nearest colour of the table.
-    pub(crate) fn at(&self, rgb: [u8; 3]) -> [f32; 3] {
+    pub(super) fn at(&self, rgb: [u8; 3]) -> [f32; 3] {
         let [r, g, b] = rgb.map(|byte| usize::from(byte >> 3));
         self.0.get(r << 10 | g << 5 | b).copied().unwrap_or_default()
     }

@@ -1,0 +1,140 @@
+//! A frame as points in space, and what a set of its pixels shows.
+
+use glam::{DVec2, DVec3, Vec3};
+use l4d_data::Scale;
+use l4d_masks::Mask;
+use l4d_masks::mask::PixelBox;
+
+use super::lab::LabTable;
+use super::perceive::{Glimpse, median};
+use crate::clip::{ClipFrame, ViewClip};
+
+/// Pixels filled less than this show nothing.
+const LEAST_ALPHA: f32 = 0.5;
+/// Median depth up to which a scene is a tabletop, and up to which it is a room; metres.
+const SCALE_DEPTH_M: [f64; 2] = [1.7, 5.0];
+/// Share of the pixels at either end of an axis that may be wrong.
+const OUTLIERS: f64 = 0.02;
+/// Most points that are kept of a thing.
+const SAMPLES: usize = 40;
+
+/// A frame in space.
+#[derive(Debug, Clone)]
+pub(super) struct Surface {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    /// Planar depth, metres; infinite where nothing is known.
+    pub(super) depth_m: Vec<f32>,
+    /// Points, metres, world; zero where nothing is known.
+    pub(super) points: Vec<Vec3>,
+    /// L*a*b*.
+    pub(super) colours: Vec<[f32; 3]>,
+}
+
+impl Surface {
+    pub(super) fn new(clip: &ViewClip, seen: &ClipFrame, table: &LabTable) -> Self {
+        let (width, height) = (clip.width as usize, clip.height as usize);
+        let pixels = width * height;
+        let is_filled =
+            |index: usize| seen.depth.alpha.get(index).is_none_or(|alpha| alpha.to_f32() >= LEAST_ALPHA);
+        let depth = |index: usize| {
+            let depth_m = seen.depth.depth_m.get(index).copied().unwrap_or(f32::INFINITY);
+            if depth_m.is_finite() && depth_m > 0.0 && is_filled(index) { depth_m } else { f32::INFINITY }
+        };
+        let depth_m: Vec<f32> = (0..pixels).map(depth).collect();
+        let points = points_of(clip, seen.frame, &depth_m);
+        let colour = |index: usize| {
+            let (column, row) = ((index % width) as u32, (index / width) as u32);
+            seen.colour.get_pixel_checked(column, row).map_or([0; 3], |pixel| pixel.0)
+        };
+        let colours = (0..pixels).map(|index| table.at(colour(index))).collect();
+        Self { width, height, depth_m, points, colours }
+    }
+
+    pub(super) fn is_known(&self, index: usize) -> bool {
+        self.depth_m[index].is_finite()
+    }
+
+    /// What a set of pixels shows.
+    pub(super) fn glimpse(&self, number: usize, members: &[u32]) -> Glimpse {
+        let (width, height) = (self.width as u32, self.height as u32);
+        let mut mask = Mask::empty(width, height);
+        let mut bounds = PixelBox { first_col: u32::MAX, first_row: u32::MAX, last_col: 0, last_row: 0 };
+        let mut colour = [0.0; 3];
+        for &index in members {
+            let (column, row) = (index % width, index / width);
+            mask.set(column, row, true);
+            bounds.first_col = bounds.first_col.min(column);
+            bounds.last_col = bounds.last_col.max(column);
+            bounds.first_row = bounds.first_row.min(row);
+            bounds.last_row = bounds.last_row.max(row);
+            let [l, a, b] = self.colours[index as usize];
+            colour = [colour[0] + l, colour[1] + a, colour[2] + b];
+        }
+        let colour = colour.map(|sum| sum / members.len() as f32);
+        let is_cut = bounds.first_col == 0
+            || bounds.first_row == 0
+            || bounds.last_col + 1 == width
+            || bounds.last_row + 1 == height;
+        let mut axes = [0, 1, 2]
+            .map(|axis| members.iter().map(|&index| self.points[index as usize][axis]).collect::<Vec<f32>>());
+        let ranks = |share: f64| ((members.len() as f64 - 1.0) * share).round() as usize;
+        let mut at = |share: f64| {
+            let rank = ranks(share).min(members.len().saturating_sub(1));
+            let mut coordinates = [0.0; 3];
+            for (coordinate, values) in coordinates.iter_mut().zip(&mut axes) {
+                *coordinate = f64::from(*values.select_nth_unstable_by(rank, f32::total_cmp).1);
+            }
+            DVec3::from_array(coordinates)
+        };
+        let (low, centre, high) = (at(OUTLIERS), at(0.5), at(1.0 - OUTLIERS));
+        let step = members.len().div_ceil(SAMPLES).max(1);
+        let samples = members.iter().skip(step / 2).step_by(step).map(|&index| index as usize);
+        Glimpse {
+            number,
+            mask,
+            area_px: members.len() as u64,
+            bounds,
+            colour,
+            centre: (centre + (low + high) * 0.5) * 0.5,
+            low,
+            high,
+            points: samples.map(|index| self.points[index].as_dvec3()).collect(),
+            is_cut,
+        }
+    }
+}
+
+/// Median depth of the first frame, metres; 0 of none.
+pub(super) fn median_depth_m(surfaces: &[Surface]) -> f64 {
+    let depths = surfaces.iter().take(1).flat_map(|surface| surface.depth_m.iter().step_by(7));
+    median(depths.filter(|depth_m| depth_m.is_finite()).map(|&depth_m| f64::from(depth_m)).collect())
+}
+
+/// Size of a scene that is so far away.
+pub(super) fn scale_of(median_depth_m: f64) -> Scale {
+    let [table, room] = SCALE_DEPTH_M;
+    if median_depth_m <= table {
+        Scale::Tabletop
+    } else if median_depth_m <= room {
+        Scale::Room
+    } else {
+        Scale::Outdoor
+    }
+}
+
+fn points_of(clip: &ViewClip, frame: u32, depth_m: &[f32]) -> Vec<Vec3> {
+    let width = clip.width as usize;
+    let eye = clip.camera.unproject(frame, DVec2::ZERO, 0.0);
+    let ray = |column: f64, row: f64| clip.camera.unproject(frame, DVec2::new(column, row), 1.0) - eye;
+    let corner = ray(0.5, 0.5);
+    let (right, down) = (ray(1.5, 0.5) - corner, ray(0.5, 1.5) - corner);
+    let point = |(index, &depth_m): (usize, &f32)| {
+        if !depth_m.is_finite() {
+            return Vec3::ZERO;
+        }
+        let (column, row) = ((index % width) as f64, (index / width) as f64);
+        (eye + (corner + right * column + down * row) * f64::from(depth_m)).as_vec3()
+    };
+    depth_m.iter().enumerate().map(point).collect()
+}
