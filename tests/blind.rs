@@ -103,7 +103,7 @@ fn a_model_is_learned_without_ids() {
 #[test]
 fn what_nothing_satisfies_is_absent_or_beyond_its_words() {
     let dir = world();
-    let sentences = [("901", "The blue ball"), ("902", "The zorple"), ("903", "The ball with the ponytail")];
+    let sentences = [("901", "The blue ball"), ("902", "The zorple"), ("903", "The flurb that rolls")];
     let lines = sentences.map(|(number, text)| {
         format!("{}\n", query(&format!("{SCENE}/{number}"), text, "attribute", &[], "whole", [0, 96]))
     });

@@ -99,6 +99,7 @@ impl Panoptic {
         let words = Words::of_vocabulary(&self.words);
         let mut readings = understand(text, &words).map_err(|unread| match unread {
             Unread::Word(word) => Unreadable::words(Reason::Unknown, [&word]),
+            Unread::Unclear { words, .. } if !words.is_empty() => Unreadable::words(Reason::Unknown, &words),
             other => Unreadable::whole(other.to_string()),
         })?;
         let best = readings.swap_remove(0);
