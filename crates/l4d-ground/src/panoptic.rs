@@ -258,6 +258,18 @@ mod tests {
     }
 
     #[test]
+    fn views_together_answer_in_each_of_them_and_in_no_other() {
+        let (views, question) = ([wall()], sentence("The red cup"));
+        let fused = Fused::new(Arc::new(tiny()), &views).unwrap();
+        let grounding = fused.ground(&views[0], &question);
+        assert_eq!(grounding.outcome, Outcome::Found, "{:?}", grounding.notes);
+        let mut other = wall();
+        other.frames[0].depth.depth_m.fill(2.0);
+        assert!(matches!(fused.ground(&other, &question).outcome, Outcome::Error(_)));
+        assert_ne!(fused.identity(), Fused::new(Arc::new(tiny()), &[other]).unwrap().identity());
+    }
+
+    #[test]
     fn what_has_no_depth_is_nowhere() {
         let grounding = tiny().ground(&clip(96, 64, &[0, 12]), &sentence("The red cup"));
         assert_eq!(grounding.outcome, Outcome::Absent);
