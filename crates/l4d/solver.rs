@@ -39,25 +39,19 @@ impl WorkArgs {
 
 /// What `--grounder` names.
 pub(crate) fn open_grounders(args: &MethodArgs, work: &SharedWork, out: &Printer) -> Result<Grounders> {
-    let strays = [
-        ("--noise", args.noise.is_some(), GrounderArg::Oracle),
-        ("--masks", args.masks.is_some(), GrounderArg::Files),
-        ("--grounder-file", args.grounder_file.is_some(), GrounderArg::Model),
+    let strays: [(&str, bool, &[GrounderArg]); 4] = [
+        ("--noise", args.noise.is_some(), &[GrounderArg::Oracle]),
+        ("--masks", args.masks.is_some(), &[GrounderArg::Files]),
+        ("--weights", args.weights.is_some(), &[GrounderArg::Panoptic, GrounderArg::PanopticFused]),
+        ("--grounder-file", args.grounder_file.is_some(), &[GrounderArg::Model]),
     ];
-    for (flag, is_given, grounder) in strays {
-        if is_given && args.grounder != grounder {
+    for (flag, is_given, grounders) in strays {
+        if is_given && !grounders.contains(&args.grounder) {
             return Err(refusal(
                 format!("{flag} says nothing to grounder {}", args.grounder.as_str()),
-                format!("add --grounder {}, or leave it out", grounder.as_str()),
+                format!("add --grounder {}, or leave it out", grounders[0].as_str()),
             ));
         }
-    }
-    if args.weights.is_some() && !matches!(args.grounder, GrounderArg::Panoptic | GrounderArg::PanopticFused)
-    {
-        return Err(refusal(
-            format!("--weights says nothing to grounder {}", args.grounder.as_str()),
-            "add --grounder panoptic, or leave it out",
-        ));
     }
     let panoptic = || args.weights.as_deref().map_or_else(Panoptic::shipped, Panoptic::open).map(Arc::new);
     let lacking = |flag: &str| refusal(format!("grounder {} needs {flag}", args.grounder.as_str()), "add it");

@@ -24,7 +24,7 @@ use l4d_data::{Role, StageError, Temporal};
 use l4d_english::{Reading, Unread, Vocabulary, Words, understand};
 use l4d_masks::Mask;
 use l4d_network::{Description, Network, WeightsError};
-use l4d_query::soft::{BeliefError, Ranked};
+use l4d_query::soft::Ranked;
 use l4d_query::verbs;
 use serde_json::{Value, json};
 
@@ -110,13 +110,21 @@ impl Panoptic {
         Ok(best)
     }
 
+    fn answer(&self, clip: &ViewClip, question: &Question) -> Result<Grounding, Outcome> {
+        let reading = self.read(&question.text).map_err(Outcome::Unsupported)?;
+        let seen = self.seen(clip).map_err(|error| Outcome::Error(error.to_string()))?;
+        let judged = self.judge(&seen, &reading)?;
+        let track = judged.best.as_ref().and_then(|best| seen.looked.number(&best.name));
+        Ok(judged.shown(clip, &seen.looked, track.as_slice(), question))
+    }
+
     /// Ranks what is seen by how well the sentence describes it.
-    fn judge(&self, seen: &Seen, reading: &Reading) -> Result<Judged, BeliefError> {
+    fn judge(&self, seen: &Seen, reading: &Reading) -> Result<Judged, Outcome> {
         let (predicate, temporal) = (&reading.predicate, reading.temporal);
         let mut notes = vec![format!("reads the sentence as {predicate}")];
         notes.extend(reading.note());
-        let ranked = seen.scene.as_ref().map(|scene| scene.rank(predicate, temporal)).transpose()?;
-        let ranked = ranked.unwrap_or_default();
+        let ranked = seen.scene.as_ref().map(|scene| scene.rank(predicate, temporal)).transpose();
+        let ranked = ranked.map_err(|error| Outcome::Error(error.to_string()))?.unwrap_or_default();
         notes.push(format!("sees {} things", seen.looked.perceived.tracks.len()));
         let description = self.network.description();
         notes.extend(ranked.iter().take(TOLD).map(|one| told(one, &seen.looked, description)));
@@ -155,21 +163,7 @@ impl Grounder for Panoptic {
     }
 
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
-        let reading = match self.read(&question.text) {
-            Ok(reading) => reading,
-            Err(unread) => return Grounding::without_answer(Outcome::Unsupported(unread)),
-        };
-        let seen = match self.seen(clip) {
-            Ok(seen) => seen,
-            Err(error) => return Grounding::without_answer(Outcome::Error(error.to_string())),
-        };
-        match self.judge(&seen, &reading) {
-            Ok(judged) => {
-                let track = judged.best.as_ref().and_then(|best| seen.looked.number(&best.name));
-                judged.shown(clip, &seen.looked, track.as_slice(), question)
-            }
-            Err(error) => Grounding::without_answer(Outcome::Error(error.to_string())),
-        }
+        self.answer(clip, question).unwrap_or_else(Grounding::without_answer)
     }
 }
 

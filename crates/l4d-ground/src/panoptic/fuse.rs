@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use super::lab::distance;
-use super::look::{Looked, PRESENCE_POWER};
+use super::look::{Looked, PRESENCE_POWER, weight};
 use super::perceive::{Glimpse, Perceived, Track};
 
 /// Distance between the same thing in two views, shares of its longest side: they see it from different sides.
@@ -69,12 +69,10 @@ pub(super) fn together(views: &[Looked], groups: &[Vec<Member>]) -> Option<Looke
     let first = &views.first()?.perceived;
     let tracks = groups.iter().map(|group| fused_track(views, group, first.frames.len())).collect();
     let share = 1.0 / views.len() as f64;
-    let mean = |of: &dyn Fn(&Perceived) -> f64| views.iter().map(|view| share * of(&view.perceived)).sum();
     let mixed = |of: fn(&Looked) -> &[Vec<f32>]| {
         groups.iter().map(|group| mean_of(views, group, of)).collect::<Vec<Vec<f32>>>()
     };
     Some(Looked {
-        weights: Vec::new(),
         presence: groups
             .iter()
             .map(|group| {
@@ -89,7 +87,7 @@ pub(super) fn together(views: &[Looked], groups: &[Vec<Member>]) -> Option<Looke
             timeline: first.timeline,
             tracks,
             scale: first.scale,
-            spacing_m: mean(&|seen| seen.spacing_m),
+            spacing_m: views.iter().map(|view| share * view.perceived.spacing_m).sum(),
             eye: views.iter().map(|view| view.perceived.eye * share).sum(),
         },
     })
@@ -126,13 +124,11 @@ fn fused_track(views: &[Looked], group: &[Member], frames: usize) -> Track {
 fn fused_glimpse(seen: &[&Glimpse]) -> Option<Glimpse> {
     let best = seen.iter().max_by_key(|glimpse| glimpse.area_px)?;
     let total: f64 = seen.iter().map(|glimpse| glimpse.area_px as f64).sum();
-    let weighted = |of: fn(&Glimpse) -> DVec3| {
-        seen.iter().map(|glimpse| of(glimpse) * (glimpse.area_px as f64 / total.max(1.0))).sum()
-    };
+    let weighted = |glimpse: &&Glimpse| glimpse.centre * (glimpse.area_px as f64 / total.max(1.0));
     let points: Vec<_> = seen.iter().flat_map(|glimpse| &glimpse.points).copied().collect();
     let step = points.len().div_ceil(SAMPLES).max(1);
     Some(Glimpse {
-        centre: weighted(|glimpse| glimpse.centre),
+        centre: seen.iter().map(weighted).sum(),
         low: seen.iter().map(|glimpse| glimpse.low).fold(best.low, DVec3::min),
         high: seen.iter().map(|glimpse| glimpse.high).fold(best.high, DVec3::max),
         points: points.into_iter().step_by(step).collect(),
@@ -142,7 +138,7 @@ fn fused_glimpse(seen: &[&Glimpse]) -> Option<Glimpse> {
 
 /// Means over the tracks of a group; those that were seen more count more.
 fn mean_of(views: &[Looked], group: &[Member], of: fn(&Looked) -> &[Vec<f32>]) -> Vec<f32> {
-    let weight = |&(view, track): &Member| views[view].weights[track];
+    let weight = |&(view, track): &Member| weight(&views[view].perceived.tracks[track]);
     let total: f32 = group.iter().map(weight).sum();
     let mut mean = Vec::new();
     for member in group {

@@ -48,6 +48,18 @@ impl Fused {
             .map(|looked| Seen { scene: Scene::of(&looked, panoptic.network.description()), looked });
         Ok(Self { panoptic, views, number_of, groups, seen })
     }
+
+    fn answer(&self, clip: &ViewClip, question: &Question) -> Result<Grounding, Outcome> {
+        let reading = self.panoptic.read(&question.text).map_err(Outcome::Unsupported)?;
+        let (Some(&view), Some(seen)) = (self.number_of.get(&clip.digest()), &self.seen) else {
+            return Err(Outcome::Error("this view was not among those that were looked at".to_owned()));
+        };
+        let judged = self.panoptic.judge(seen, &reading)?;
+        let group = judged.best.as_ref().and_then(|best| seen.looked.number(&best.name));
+        let members = group.into_iter().flat_map(|group| &self.groups[group]);
+        let tracks: Vec<usize> = members.filter(|member| member.0 == view).map(|member| member.1).collect();
+        Ok(judged.shown(clip, &self.views[view], &tracks, question))
+    }
 }
 
 impl Grounder for Fused {
@@ -70,23 +82,6 @@ impl Grounder for Fused {
     }
 
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
-        let reading = match self.panoptic.read(&question.text) {
-            Ok(reading) => reading,
-            Err(unread) => return Grounding::without_answer(Outcome::Unsupported(unread)),
-        };
-        let (Some(&view), Some(seen)) = (self.number_of.get(&clip.digest()), &self.seen) else {
-            let why = "this view was not among those that were looked at".to_owned();
-            return Grounding::without_answer(Outcome::Error(why));
-        };
-        match self.panoptic.judge(seen, &reading) {
-            Ok(judged) => {
-                let group = judged.best.as_ref().and_then(|best| seen.looked.number(&best.name));
-                let members = group.into_iter().flat_map(|group| &self.groups[group]);
-                let tracks: Vec<usize> =
-                    members.filter(|member| member.0 == view).map(|member| member.1).collect();
-                judged.shown(clip, &self.views[view], &tracks, question)
-            }
-            Err(error) => Grounding::without_answer(Outcome::Error(error.to_string())),
-        }
+        self.answer(clip, question).unwrap_or_else(Grounding::without_answer)
     }
 }

@@ -32,8 +32,6 @@ pub(super) struct Looked {
     pub(super) values: Vec<Vec<f32>>,
     /// How far each track is a thing at all, 0 to 1.
     pub(super) presence: Vec<f64>,
-    /// How much each track was seen: what it counts when views are put together.
-    pub(super) weights: Vec<f32>,
 }
 
 impl Looked {
@@ -64,7 +62,6 @@ pub(super) fn look(clip: &ViewClip, network: &Network, table: &LabTable) -> Resu
     let presence_of =
         |track: &Track| (track.seen().count() as f64 / frames.len() as f64).powf(PRESENCE_POWER);
     let presence = tracks.iter().map(presence_of).collect();
-    let weights = tracks.iter().map(|track| track.seen().map(|(_, glimpse)| share(glimpse)).sum()).collect();
     let (kinds, values) = tracks.iter().map(|track| described(track, &seen)).unzip();
     let perceived = Perceived {
         tracks,
@@ -74,7 +71,7 @@ pub(super) fn look(clip: &ViewClip, network: &Network, table: &LabTable) -> Resu
         eye: clip.camera.unproject(middle, DVec2::ZERO, 0.0),
         frames,
     };
-    Ok(Looked { perceived, kinds, values, weights, presence })
+    Ok(Looked { perceived, kinds, values, presence })
 }
 
 fn look_at_all(clip: &ViewClip, network: &Network) -> Result<Vec<Seen>, WeightsError> {
@@ -103,6 +100,11 @@ fn glimpses_of(seen: &Seen, surface: &Surface) -> Vec<Glimpse> {
         .filter(|(_, members)| members.len() >= least)
         .map(|(number, members)| surface.glimpse(number, members))
         .collect()
+}
+
+/// How much was seen of a track: what it counts when views are put together.
+pub(super) fn weight(track: &Track) -> f32 {
+    track.seen().map(|(_, glimpse)| share(glimpse)).sum()
 }
 
 /// How much a glimpse tells.
