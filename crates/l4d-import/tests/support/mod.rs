@@ -103,7 +103,7 @@ impl World {
             instances: [(1, LATE_BALL, "ball: late"), (2, BALL, "ball: red")].map(instance).into(),
             notes: Vec::new(),
         };
-        set.write(self.capture_dir().root(), false).unwrap();
+        set.write(self.capture_dir().root(), true).unwrap();
     }
 
     /// Writes a model with points of the ground that all cameras see, and says how many.
