@@ -9,6 +9,8 @@ pub struct Picked {
     pub name: Name,
     /// That are answered.
     pub queries: Vec<Query>,
+    /// All of the scene, whichever are answered: what an answer depends on must not depend on the shard.
+    pub known: Vec<Query>,
 }
 
 /// The scenes that have any of the queries that were asked for, all of the set if `ids` is empty.
@@ -27,11 +29,12 @@ pub fn pick(
     for name in selected {
         let mut queries = bench.asked(set, name)?;
         queries.retain(|query| query.status != Status::Rejected);
+        let all = queries.clone();
         if !ids.is_empty() {
             queries.retain(|query| ids.contains(&query.id));
         }
         known += queries.len();
-        scenes.push(Picked { name: name.clone(), queries });
+        scenes.push(Picked { name: name.clone(), queries, known: all });
     }
     if known < ids.len() {
         let has =
