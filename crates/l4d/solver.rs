@@ -39,10 +39,11 @@ impl WorkArgs {
 
 /// What `--grounder` names.
 pub(crate) fn open_grounders(args: &MethodArgs, work: &SharedWork, out: &Printer) -> Result<Grounders> {
-    let strays: [(&str, bool, &[GrounderArg]); 4] = [
+    let strays: [(&str, bool, &[GrounderArg]); 5] = [
         ("--noise", args.noise.is_some(), &[GrounderArg::Oracle]),
         ("--masks", args.masks.is_some(), &[GrounderArg::Files]),
         ("--weights", args.weights.is_some(), &[GrounderArg::Panoptic, GrounderArg::PanopticFused]),
+        ("--given", !args.given.is_empty(), &[GrounderArg::PanopticFused]),
         ("--grounder-file", args.grounder_file.is_some(), &[GrounderArg::Model]),
     ];
     for (flag, is_given, grounders) in strays {
@@ -57,7 +58,10 @@ pub(crate) fn open_grounders(args: &MethodArgs, work: &SharedWork, out: &Printer
     let lacking = |flag: &str| refusal(format!("grounder {} needs {flag}", args.grounder.as_str()), "add it");
     Ok(match args.grounder {
         GrounderArg::Panoptic => Grounders::Shared(panoptic()?),
-        GrounderArg::PanopticFused => Grounders::Fused(panoptic()?),
+        GrounderArg::PanopticFused => {
+            let given = args.given.iter().map(|part| part.part()).collect();
+            Grounders::Fused { panoptic: panoptic()?, given }
+        }
         GrounderArg::Oracle => {
             let noise = args.noise.as_deref().map(NoisePreset::read).transpose()?;
             Grounders::Oracle(noise.unwrap_or_else(NoisePreset::none))

@@ -36,6 +36,11 @@ pub struct Reading {
 }
 
 impl Reading {
+    /// A meaning that nobody doubts.
+    pub fn certain(predicate: Predicate, temporal: Temporal) -> Self {
+        Self { predicate, temporal, confidence: 1.0, skipped: Vec::new(), repairs: Vec::new() }
+    }
+
     /// Whether words were passed over or guessed at, so that somebody should be told.
     pub fn is_inferred(&self) -> bool {
         self.confidence < 1.0

@@ -95,7 +95,7 @@ pub fn bench(order: &Order<'_>, progress: &dyn Progress) -> Result<Benched> {
         let draws = (rasterizer, order.adapter.clone());
         let judged = JudgedScene::open(exam, scene, order.space, &clips, draws)?;
         let queries: Vec<Query> = judged.queries().cloned().collect();
-        let grounder = grounders.of_scene(&judged.scene, &judged.places.data, &queries)?;
+        let grounder = grounders.of_scene(&judged.scene, rasterizer, &judged.places.data, &queries)?;
         for query in evenly(&queries, order.queries) {
             let subject = Subject::new(&judged, query, grounder.as_ref()).at(&query.id)?;
             for ((_, _, lift), samples) in lifts.iter().zip(&mut samples) {

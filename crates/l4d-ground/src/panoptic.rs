@@ -5,15 +5,17 @@
 //! down. Owns no rule of English and no meaning of a clause: `l4d-english` reads, `l4d-query` judges.
 
 mod believe;
-mod fuse;
+mod cluster;
+mod elements;
 mod fused;
+mod given;
 mod lab;
 mod link;
 mod look;
 mod motion;
 mod perceive;
-mod stage;
 mod surface;
+mod tracks;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -28,11 +30,13 @@ use l4d_query::soft::Ranked;
 use l4d_query::verbs;
 use serde_json::{Value, json};
 
+pub use self::elements::Elements;
 pub use self::fused::Fused;
+pub use self::given::{Given, Part};
 
 use self::believe::Scene;
 use self::lab::LabTable;
-use self::look::{Looked, look};
+use self::look::{Looked, Things, look};
 use crate::clip::ViewClip;
 use crate::grounder::{Grounder, Grounding, Outcome, Question};
 use crate::remembered::Remembered;
@@ -113,28 +117,29 @@ impl Panoptic {
     fn answer(&self, clip: &ViewClip, question: &Question) -> Result<Grounding, Outcome> {
         let reading = self.read(&question.text).map_err(Outcome::Unsupported)?;
         let seen = self.seen(clip).map_err(|error| Outcome::Error(error.to_string()))?;
-        let judged = self.judge(&seen, &reading)?;
-        let track = judged.best.as_ref().and_then(|best| seen.looked.number(&best.name));
-        Ok(judged.shown(clip, &seen.looked, track.as_slice(), question))
+        let judged = self.judge(seen.scene.as_ref(), &seen.looked.things, &reading)?;
+        let track = judged.best.as_ref().and_then(|best| seen.looked.things.number(&best.name));
+        let masks = track.map(|track| seen.looked.masks(track)).unwrap_or_default();
+        Ok(judged.shown(clip, masks, question))
     }
 
     /// Ranks what is seen by how well the sentence describes it.
-    fn judge(&self, seen: &Seen, reading: &Reading) -> Result<Judged, Outcome> {
+    fn judge(&self, scene: Option<&Scene>, things: &Things, reading: &Reading) -> Result<Judged, Outcome> {
         let (predicate, temporal) = (&reading.predicate, reading.temporal);
         let mut notes = vec![format!("reads the sentence as {predicate}")];
         notes.extend(reading.note());
-        let ranked = seen.scene.as_ref().map(|scene| scene.rank(predicate, temporal)).transpose();
+        let ranked = scene.map(|scene| scene.rank(predicate, temporal)).transpose();
         let ranked = ranked.map_err(|error| Outcome::Error(error.to_string()))?.unwrap_or_default();
-        notes.push(format!("sees {} things", seen.looked.perceived.tracks.len()));
+        notes.push(format!("sees {} things", things.perceived.tracks.len()));
         let description = self.network.description();
-        notes.extend(ranked.iter().take(TOLD).map(|one| told(one, &seen.looked, description)));
+        notes.extend(ranked.iter().take(TOLD).map(|one| told(one, things, description)));
         Ok(Judged { best: ranked.into_iter().next(), temporal, notes })
     }
 
     fn seen(&self, clip: &ViewClip) -> Result<Arc<Seen>, WeightsError> {
         self.remembered.of(clip, || {
             let looked = look(clip, &self.network, &self.table)?;
-            let scene = Scene::of(&looked, self.network.description());
+            let scene = Scene::of(&looked.things, self.network.description());
             Ok(Seen { looked, scene })
         })
     }
@@ -175,23 +180,15 @@ struct Judged {
 }
 
 impl Judged {
-    /// The answer in one view, in which these tracks are what is meant.
-    fn shown(self, clip: &ViewClip, looked: &Looked, tracks: &[usize], question: &Question) -> Grounding {
-        let seen = &looked.perceived;
+    /// The answer in one view, in which these are the pixels of what is meant: those of the times that are meant.
+    fn shown(self, clip: &ViewClip, mut masks: BTreeMap<u32, Mask>, question: &Question) -> Grounding {
         let likely = self.best.as_ref().map(|best| best.when.likely());
-        let is_open = |frame: u32| {
+        let is_meant = |frame: u32| {
             self.temporal == Temporal::Whole
-                || likely.as_ref().is_some_and(|likely| likely.at(seen.timeline.canonical(frame)))
+                || likely.as_ref().is_some_and(|likely| likely.at(clip.timeline.canonical(frame)))
         };
         let is_asked = |frame: u32| question.range.is_none_or(|range| range.contains(frame));
-        let mut masks: BTreeMap<u32, Mask> = BTreeMap::new();
-        for (index, glimpse) in tracks.iter().flat_map(|track| seen.tracks[*track].seen()) {
-            let frame = seen.frames[index];
-            if is_open(frame) && is_asked(frame) {
-                let mask = masks.entry(frame).or_insert_with(|| Mask::empty(clip.width, clip.height));
-                mask.union_with(&glimpse.mask);
-            }
-        }
+        masks.retain(|&frame, _| is_meant(frame) && is_asked(frame));
         Grounding::of_masks(clip, masks, self.notes)
     }
 }
@@ -208,14 +205,15 @@ fn vocabulary(description: &Description) -> Vocabulary {
 }
 
 /// A candidate, for people.
-fn told(one: &Ranked, looked: &Looked, description: &Description) -> String {
-    let kind = looked.likeliest(&one.name, description);
+fn told(one: &Ranked, things: &Things, description: &Description) -> String {
+    let kind = things.likeliest(&one.name, description);
     let clauses: Vec<String> = one.clauses.iter().map(|degree| format!("{degree:.2}")).collect();
     format!("{}, perhaps a {kind}: clauses {}, confidence {:.2}", one.name, clauses.join(" "), one.confidence)
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
     use half::f16;
 
     use super::*;
@@ -251,16 +249,36 @@ mod tests {
         assert!(asked.masks[&0].is_empty() && asked.masks[&12] == grounding.masks[&12]);
     }
 
+    /// A wall of Gaussians, one behind each pixel.
+    struct Wall;
+
+    impl Elements for Wall {
+        fn means(&self, _time: f32) -> Result<Vec<DVec3>, StageError> {
+            Ok((0..96 * 64)
+                .map(|at| DVec3::new(f64::from(at % 96), 0.0, f64::from(at / 96)) * 0.01)
+                .collect())
+        }
+
+        fn gather(&self, _: &ViewClip, _: u32, pixels: &[f32], _: usize) -> Result<Vec<f32>, StageError> {
+            Ok(pixels.to_vec())
+        }
+
+        fn splat(&self, _: &ViewClip, _: u32, features: &[f32], _: usize) -> Result<Vec<f32>, StageError> {
+            Ok(features.to_vec())
+        }
+    }
+
     #[test]
     fn views_together_answer_in_each_of_them_and_in_no_other() {
         let (views, question) = ([wall()], sentence("The red cup"));
-        let fused = Fused::new(Arc::new(tiny()), &views).unwrap();
-        let grounding = fused.ground(&views[0], &question);
+        let fused = |views: &[ViewClip]| Fused::new(Arc::new(tiny()), views, &Wall, None).unwrap();
+        let grounding = fused(&views).ground(&views[0], &question);
         assert_eq!(grounding.outcome, Outcome::Found, "{:?}", grounding.notes);
+        assert!(!fused(&views).uses_truth());
         let mut other = wall();
         other.frames[0].depth.depth_m.fill(2.0);
-        assert!(matches!(fused.ground(&other, &question).outcome, Outcome::Error(_)));
-        assert_ne!(fused.identity(), Fused::new(Arc::new(tiny()), &[other]).unwrap().identity());
+        assert!(matches!(fused(&views).ground(&other, &question).outcome, Outcome::Error(_)));
+        assert_ne!(fused(&views).identity(), fused(&[other]).identity());
     }
 
     #[test]

@@ -125,6 +125,31 @@ impl Network {
         Ok(Seen { labels, found: self.describe(&rows)? })
     }
 
+    /// Says what things are of which the pixels are known: `labels` has the number of the thing at each pixel, from 1 to
+    /// `count`.
+    ///
+    /// # Errors
+    /// What the runtime says.
+    pub fn describe_things(
+        &self,
+        picture: &Picture,
+        labels: &[u32],
+        count: usize,
+    ) -> Result<Vec<Found>, WeightsError> {
+        let size = looked_at(picture);
+        let colour = resized(&picture.colour, [picture.width, picture.height], size, 3);
+        let outputs = self.features(&colour, size)?;
+        let half = [size[0] / 2, size[1] / 2];
+        let nearest = |at: usize| {
+            let (row, column) =
+                (at / half[0] * picture.height / half[1], at % half[0] * picture.width / half[0]);
+            labels.get(row * picture.width + column).copied().unwrap_or(0)
+        };
+        let small: Vec<u32> = (0..half[0] * half[1]).map(nearest).collect();
+        let levels: Vec<Level<'_>> = outputs[1..].iter().map(Planes::level).collect();
+        self.describe(&rows(&small, half, count, &halved(&colour, size), &levels))
+    }
+
     /// Kinds and values of objects by their rows.
     pub(crate) fn describe(&self, rows: &[Vec<f32>]) -> Result<Vec<Found>, WeightsError> {
         if rows.is_empty() {

@@ -149,7 +149,7 @@ fn answer(
         SolveScene::open(&question.scene, order.space.profile(), places, &clip_settings, draws, &drawn)
     })?;
     progress.finish();
-    let grounder = order.grounders.of_scene(&scene, &places.data, &known.queries)?;
+    let grounder = order.grounders.of_scene(&scene, order.rasterizer, &places.data, &known.queries)?;
     let method = Method { grounder: grounder.as_ref(), rasterizer: order.rasterizer, settings: &settings };
     let plan = wanted(order, question.range, &scene, places)?;
     let folder = folder(order, &places.work, &method.made_from(&scene, &question));

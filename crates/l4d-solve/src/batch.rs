@@ -120,7 +120,7 @@ impl Batch<'_> {
         let scene = account.of(Stage::Clips, || self.open(&picked.name, &places))?;
         scene.source.notes.iter().for_each(|note| progress.note(&format_args!("{}: {note}", picked.name)));
         ledger.add_scene(account);
-        let grounder = self.grounders.of_scene(&scene, &places.data, &picked.queries)?;
+        let grounder = self.grounders.of_scene(&scene, self.rasterizer, &places.data, &picked.known)?;
         let judged = scene.judged(&places)?;
         let method =
             Method { grounder: grounder.as_ref(), rasterizer: self.rasterizer, settings: &self.settings };

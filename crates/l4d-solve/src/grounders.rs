@@ -1,16 +1,19 @@
 //! From the choice of a grounder to one that can be asked about a scene.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use l4d_data::layout::SceneDir;
+use l4d_data::tracks::Tracks;
 use l4d_data::{Query, StageError};
 use l4d_ground::Grounder;
 use l4d_ground::files::Files;
 use l4d_ground::oracle::{NoisePreset, Oracle, Target, open_ids};
-use l4d_ground::panoptic::{Fused, Panoptic};
+use l4d_ground::panoptic::{Fused, Given, Panoptic, Part};
 use l4d_ground::vlm::Vlm;
+
+use l4d_splat::raster::Rasterizer;
 
 use crate::clips::Plan;
 use crate::scene::SolveScene;
@@ -20,7 +23,12 @@ pub enum Grounders {
     /// One for all scenes.
     Shared(Arc<dyn Grounder + Send + Sync>),
     /// What looks at all views of a scene before it answers.
-    Fused(Arc<Panoptic>),
+    Fused {
+        /// What sees and reads.
+        panoptic: Arc<Panoptic>,
+        /// What the truth stands in for.
+        given: BTreeSet<Part>,
+    },
     /// One for all scenes, which asks a model server.
     Vlm(Arc<Vlm>),
     /// The truth of a scene, with these errors.
@@ -34,7 +42,7 @@ impl Grounders {
     pub fn of_any_scene(&self) -> Option<&dyn Grounder> {
         match self {
             Self::Shared(grounder) => Some(grounder.as_ref()),
-            Self::Fused(panoptic) => Some(panoptic.as_ref()),
+            Self::Fused { panoptic, .. } => Some(panoptic.as_ref()),
             Self::Vlm(vlm) => Some(vlm.as_ref()),
             Self::Oracle(_) | Self::Files(_) => None,
         }
@@ -47,12 +55,17 @@ impl Grounders {
     pub fn of_scene(
         &self,
         scene: &SolveScene,
+        rasterizer: &dyn Rasterizer,
         place: &SceneDir,
         queries: &[Query],
     ) -> Result<Arc<dyn Grounder + Send + Sync>, StageError> {
         Ok(match self {
             Self::Shared(grounder) => Arc::clone(grounder),
-            Self::Fused(panoptic) => Arc::new(Fused::new(Arc::clone(panoptic), &scene.clips)?),
+            Self::Fused { panoptic, given } => {
+                let given =
+                    (!given.is_empty()).then(|| truth_of(scene, place, queries, given)).transpose()?;
+                Arc::new(Fused::new(Arc::clone(panoptic), &scene.clips, &scene.canvas(rasterizer), given)?)
+            }
             Self::Vlm(vlm) => Arc::clone(vlm) as _,
             Self::Files(root) => Arc::new(Files::open(root, scene.name.clone())?),
             Self::Oracle(noise) => {
@@ -75,7 +88,7 @@ impl Grounders {
     pub fn vlm(&self) -> Option<&Vlm> {
         match self {
             Self::Vlm(vlm) => Some(vlm),
-            Self::Shared(_) | Self::Fused(_) | Self::Oracle(_) | Self::Files(_) => None,
+            Self::Shared(_) | Self::Fused { .. } | Self::Oracle(_) | Self::Files(_) => None,
         }
     }
 
@@ -86,11 +99,30 @@ impl Grounders {
 
     /// Whether the truth of training views is looked at.
     pub fn sees_truth(&self) -> bool {
-        matches!(self, Self::Oracle(_))
+        match self {
+            Self::Oracle(_) => true,
+            Self::Fused { given, .. } => !given.is_empty(),
+            Self::Shared(_) | Self::Vlm(_) | Self::Files(_) => false,
+        }
     }
 
     /// Whether it knows queries by their numbers, and so has nothing to say to any other sentence.
     pub fn knows_queries_alone(&self) -> bool {
         matches!(self, Self::Oracle(_) | Self::Files(_))
     }
+}
+
+/// The truth that stands in for parts of a grounder.
+fn truth_of(
+    scene: &SolveScene,
+    place: &SceneDir,
+    queries: &[Query],
+    parts: &BTreeSet<Part>,
+) -> Result<Given, StageError> {
+    let Plan { size, camera_size, .. } = scene.plan;
+    let ids = open_ids(place.clone(), scene.profile, size, camera_size)?;
+    let tracks = Tracks::read(&place.tracks())?;
+    Given::new(parts.clone(), tracks, ids, queries).map_err(|error| {
+        StageError::new(error.to_string(), "correct the queries: `l4d check-queries` says more")
+    })
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use l4d_data::{Profile, QuerySet, Shard};
 use l4d_experiments::ablation::Grid;
+use l4d_ground::panoptic::Part;
 use l4d_solve::consensus::Preset;
 use l4d_solve::method::LiftChoice;
 
@@ -39,6 +40,33 @@ impl GrounderArg {
     }
 }
 
+/// What the truth may stand in for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PartArg {
+    /// What the sentence means
+    Reading,
+    /// Which pixels are one thing, and where it is
+    Things,
+    /// What each is called
+    Kinds,
+    /// What each looks like
+    Attributes,
+    /// Who does what
+    Events,
+}
+
+impl PartArg {
+    pub(crate) fn part(self) -> Part {
+        match self {
+            Self::Reading => Part::Reading,
+            Self::Things => Part::Things,
+            Self::Kinds => Part::Kinds,
+            Self::Attributes => Part::Attributes,
+            Self::Events => Part::Events,
+        }
+    }
+}
+
 /// A method of the reference solver.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct MethodArgs {
@@ -57,6 +85,9 @@ pub(crate) struct MethodArgs {
     /// Weights of your own for panoptic: a folder of perception.onnx and perception.json
     #[arg(long, value_name = "DIR")]
     pub(crate) weights: Option<PathBuf>,
+    /// Parts of panoptic-fused that the truth stands in for, to measure what each costs; never ranked
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "PARTS")]
+    pub(crate) given: Vec<PartArg>,
     #[command(flatten)]
     pub(crate) server: ServerArgs,
     /// Rules and constants that belong together: what holds up where the paper is silent (robust), or as the paper writes

@@ -8,11 +8,10 @@ use l4d_data::Temporal;
 use l4d_data::tracks::Tracks;
 use l4d_network::Description;
 use l4d_query::Predicate;
-use l4d_query::soft::{Belief, BeliefError, Noise, Odds, Ranked, Thing, derive, rank};
+use l4d_query::soft::{Belief, BeliefError, BelievedEvent, Noise, Odds, Ranked, Thing, derive, rank};
 
-use super::look::{Looked, log_softmax};
-use super::motion::Kinematics;
-use super::stage::{name_of, stage};
+use super::look::{Things, log_softmax};
+use super::tracks::{name_of, tracks_of};
 
 /// How sharply the mean over glimpses decides: that of several is surer than each.
 const KIND_POWER: f32 = 2.0;
@@ -27,36 +26,37 @@ const PEOPLE: [&str; 7] = ["person", "pedestrian", "woman", "man", "child", "coo
 
 /// Boxes over time and what is believed of the things in them.
 pub(super) struct Scene {
-    tracks: Tracks,
-    things: Vec<Thing>,
+    pub(super) tracks: Tracks,
+    pub(super) things: Vec<Thing>,
+    /// How well boxes are known.
+    pub(super) noise: Noise,
+    /// What happens, if somebody knows; otherwise boxes tell.
+    pub(super) events: Option<Vec<BelievedEvent>>,
 }
 
 impl Scene {
     /// What is believed of the things of a clip; none if there are none.
-    pub(super) fn of(looked: &Looked, description: &Description) -> Option<Self> {
-        let seen = &looked.perceived;
-        let all: Vec<usize> = (0..seen.tracks.len()).collect();
-        if all.is_empty() {
+    pub(super) fn of(seen: &Things, description: &Description) -> Option<Self> {
+        if seen.perceived.tracks.is_empty() {
             return None;
         }
-        let moves: Vec<Kinematics> = seen.tracks.iter().map(|track| Kinematics::new(track, seen)).collect();
-        let thing = |number: &usize| {
+        let thing = |number: usize| {
             Some(Thing {
-                name: name_of(*number)?,
-                kinds: kinds(&looked.kinds[*number], description),
-                attributes: attributes(&looked.values[*number], description),
-                presence: looked.presence[*number],
+                name: name_of(number)?,
+                kinds: kinds(&seen.kinds[number], description),
+                attributes: attributes(&seen.values[number], description),
+                presence: seen.presence[number],
             })
         };
-        let things = all.iter().filter_map(thing).collect();
-        Some(Self { tracks: stage(seen, &moves, &all, &all)?, things })
+        let things = (0..seen.perceived.tracks.len()).filter_map(thing).collect();
+        let noise = Noise::perceived(seen.perceived.scale);
+        Some(Self { tracks: tracks_of(&seen.perceived)?, things, noise, events: None })
     }
 
     /// The things that a predicate may mean, the best first.
     pub(super) fn rank(&self, predicate: &Predicate, temporal: Temporal) -> Result<Vec<Ranked>, BeliefError> {
-        let events = derive::events(&self.tracks, predicate);
-        let noise = Noise::perceived(self.tracks.scale);
-        let belief = Belief::new(&self.tracks, self.things.clone(), events, noise)?;
+        let events = self.events.clone().unwrap_or_else(|| derive::events(&self.tracks, predicate));
+        let belief = Belief::new(&self.tracks, self.things.clone(), events, self.noise)?;
         Ok(rank(&belief, predicate, temporal))
     }
 }

@@ -69,9 +69,9 @@ pub(super) fn link(frames: Vec<Vec<Glimpse>>, seconds: &[f64]) -> Vec<Chain> {
 
 /// How readily a segment goes on with what was seen before; at most 1.
 fn affinity(before: &Glimpse, now: &Glimpse, pause_s: f64) -> f64 {
-    let size = before.longest_m().max(now.longest_m()).max(1e-6);
+    let size = before.body.longest_m().max(now.body.longest_m()).max(1e-6);
     let reach = size * (0.3 + LINK_SPEED * pause_s);
-    let near = (-before.centre.distance(now.centre) / reach).exp();
+    let near = (-before.body.centre.distance(now.body.centre) / reach).exp();
     let colour = f64::from(distance(before.colour, now.colour)) / COLOUR_COST;
     if near < 0.05 || colour > 1.0 {
         return 0.0;

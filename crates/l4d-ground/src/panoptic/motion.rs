@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::perceive::{Glimpse, Perceived, Track};
+use super::perceive::{Body, Perceived, Track};
 
 /// Time over which speed is measured, either way, seconds.
 const WINDOW_S: f64 = 0.25;
@@ -25,8 +25,8 @@ impl Kinematics {
         let velocity = |index: usize| {
             let from = index.saturating_sub(reach);
             let to = (index + reach).min(count.saturating_sub(1));
-            let earliest = (from..=index).find_map(|at| Some((at, track.glimpses[at].as_ref()?)));
-            let latest = (index..=to).rev().find_map(|at| Some((at, track.glimpses[at].as_ref()?)));
+            let earliest = (from..=index).find_map(|at| Some((at, track.bodies[at].as_ref()?)));
+            let latest = (index..=to).rev().find_map(|at| Some((at, track.bodies[at].as_ref()?)));
             match earliest.zip(latest) {
                 Some(((from, first), (to, last))) if from < to => {
                     (last.centre - first.centre) / (seconds[to] - seconds[from]).max(1e-6)
@@ -34,15 +34,12 @@ impl Kinematics {
                 _ => DVec3::ZERO,
             }
         };
-        Self {
-            velocity: (0..count).map(velocity).collect(),
-            size_m: track.median(Glimpse::longest_m).max(1e-6),
-        }
+        Self { velocity: (0..count).map(velocity).collect(), size_m: track.longest_m().max(1e-6) }
     }
 }
 
 /// Least distance between points that are seen of two things, metres.
-pub(super) fn gap_m(a: &Glimpse, b: &Glimpse) -> f64 {
+pub(super) fn gap_m(a: &Body, b: &Body) -> f64 {
     let nearest = |point: &DVec3| {
         b.points.iter().map(|other| point.distance_squared(*other)).fold(f64::INFINITY, f64::min)
     };

@@ -1,11 +1,11 @@
-//! What is seen over a clip from one camera: things, where they are, how they look.
+//! Things over a clip: where they are, and what pictures show of them.
 
 use glam::DVec3;
 use l4d_data::{Scale, Timeline};
 use l4d_masks::Mask;
 use l4d_masks::mask::PixelBox;
 
-/// What is seen over a clip.
+/// Things over a clip: what may be told of where they are.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Perceived {
     /// Frames of the clip, ascending.
@@ -14,7 +14,7 @@ pub(super) struct Perceived {
     pub(super) timeline: Timeline,
     /// Things, in an order that depends on the clip alone.
     pub(super) tracks: Vec<Track>,
-    /// Size of the scene, as far as one camera can tell.
+    /// Size of the scene, as far as cameras can tell.
     pub(super) scale: Scale,
     /// Distance between the points of neighbouring pixels, metres; median over what is seen. Nothing is known finer.
     pub(super) spacing_m: f64,
@@ -22,14 +22,28 @@ pub(super) struct Perceived {
     pub(super) eye: DVec3,
 }
 
-/// A thing over time.
+/// A thing over time: where it is in each frame of the clip; none where it isn't seen.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Track {
-    /// What is seen of it, one for each frame of the clip; none where it isn't seen.
-    pub(super) glimpses: Vec<Option<Glimpse>>,
+    pub(super) bodies: Vec<Option<Body>>,
 }
 
-/// A thing at a moment.
+/// Where a thing is at a moment.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Body {
+    /// Middle of what is known of its surface, metres, world.
+    pub(super) centre: DVec3,
+    /// Lowest corner of the box around it, metres, world axes.
+    pub(super) low: DVec3,
+    /// Highest corner.
+    pub(super) high: DVec3,
+    /// Some points of its surface, metres, world.
+    pub(super) points: Vec<DVec3>,
+    /// Whether no border of a picture cuts it.
+    pub(super) is_whole: bool,
+}
+
+/// What one picture shows of a thing.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Glimpse {
     /// Which of the things of its picture it is.
@@ -42,37 +56,57 @@ pub(super) struct Glimpse {
     pub(super) bounds: PixelBox,
     /// Mean of its colours, CIE L*a*b*.
     pub(super) colour: [f32; 3],
-    /// Middle of its visible surface, metres, world.
-    pub(super) centre: DVec3,
-    /// Lowest corner of the box around its visible surface, metres, world axes.
-    pub(super) low: DVec3,
-    /// Highest corner.
-    pub(super) high: DVec3,
-    /// Some points of its surface, metres, world.
-    pub(super) points: Vec<DVec3>,
-    /// Whether the border of the picture cuts it.
-    pub(super) is_cut: bool,
+    /// Where it is, as far as its visible surface tells.
+    pub(super) body: Body,
 }
 
 impl Track {
-    /// Frames (indices) in which it is seen.
-    pub(super) fn seen(&self) -> impl Iterator<Item = (usize, &Glimpse)> {
-        self.glimpses.iter().enumerate().filter_map(|(index, glimpse)| Some((index, glimpse.as_ref()?)))
-    }
-
-    /// Median over the frames in which it is seen whole, or seen at all.
-    pub(super) fn median(&self, measure: impl Fn(&Glimpse) -> f64) -> f64 {
-        let whole: Vec<f64> =
-            self.seen().filter(|(_, seen)| !seen.is_cut).map(|(_, seen)| measure(seen)).collect();
-        let values =
-            if whole.is_empty() { self.seen().map(|(_, seen)| measure(seen)).collect() } else { whole };
-        median(values)
+    /// Longest side, metres: median over the frames in which it is seen whole, or seen at all.
+    pub(super) fn longest_m(&self) -> f64 {
+        let seen = || self.bodies.iter().flatten();
+        let whole: Vec<f64> = seen().filter(|body| body.is_whole).map(Body::longest_m).collect();
+        median(if whole.is_empty() { seen().map(Body::longest_m).collect() } else { whole })
     }
 
     /// Where it is at a frame, or where it was seen last before or first after.
-    pub(super) fn nearest(&self, index: usize) -> Option<&Glimpse> {
-        let before = self.glimpses.iter().take(index + 1).rev().flatten().next();
-        before.or_else(|| self.glimpses.iter().skip(index).flatten().next())
+    pub(super) fn nearest(&self, index: usize) -> Option<&Body> {
+        let before = self.bodies.iter().take(index + 1).rev().flatten().next();
+        before.or_else(|| self.bodies.iter().skip(index).flatten().next())
+    }
+}
+
+impl Body {
+    /// Share of the points at either end of an axis that may be wrong.
+    const OUTLIERS: f64 = 0.02;
+    /// Most points that are kept.
+    const SAMPLES: usize = 40;
+
+    /// What these points are of; none of none.
+    pub(super) fn of(points: &[DVec3], is_whole: bool) -> Option<Self> {
+        let last = points.len().checked_sub(1)?;
+        let mut axes = [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).collect::<Vec<f64>>());
+        let mut at = |share: f64| {
+            let rank = ((last as f64) * share).round() as usize;
+            let mut coordinates = [0.0; 3];
+            for (coordinate, values) in coordinates.iter_mut().zip(&mut axes) {
+                *coordinate = *values.select_nth_unstable_by(rank.min(last), f64::total_cmp).1;
+            }
+            DVec3::from_array(coordinates)
+        };
+        let (low, middle, high) = (at(Self::OUTLIERS), at(0.5), at(1.0 - Self::OUTLIERS));
+        let step = points.len().div_ceil(Self::SAMPLES).max(1);
+        Some(Self {
+            centre: (middle + (low + high) * 0.5) * 0.5,
+            low,
+            high,
+            points: points.iter().skip(step / 2).step_by(step).copied().collect(),
+            is_whole,
+        })
+    }
+
+    /// Longest side of its box, metres.
+    pub(super) fn longest_m(&self) -> f64 {
+        (self.high - self.low).max_element()
     }
 }
 
@@ -83,11 +117,6 @@ impl Glimpse {
         let rows = a.first_row.max(b.first_row)..a.last_row.min(b.last_row) + 1;
         let is_apart = rows.is_empty() || a.first_col > b.last_col || b.first_col > a.last_col;
         if is_apart { 0 } else { self.mask.and_count_in_rows(&other.mask, rows) }
-    }
-
-    /// Longest side of its box, metres.
-    pub(super) fn longest_m(&self) -> f64 {
-        (self.high - self.low).max_element()
     }
 }
 

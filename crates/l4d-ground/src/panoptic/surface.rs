@@ -6,17 +6,13 @@ use l4d_masks::Mask;
 use l4d_masks::mask::PixelBox;
 
 use super::lab::LabTable;
-use super::perceive::{Glimpse, median};
+use super::perceive::{Body, Glimpse, median};
 use crate::clip::{ClipFrame, ViewClip};
 
 /// Pixels filled less than this show nothing.
 const LEAST_ALPHA: f32 = 0.5;
 /// Median depth up to which a scene is a tabletop, and up to which it is a room; metres.
 const SCALE_DEPTH_M: [f64; 2] = [1.7, 5.0];
-/// Share of the pixels at either end of an axis that may be wrong.
-const OUTLIERS: f64 = 0.02;
-/// Most points that are kept of a thing.
-const SAMPLES: usize = 40;
 
 /// A frame in space.
 #[derive(Debug, Clone)]
@@ -55,8 +51,8 @@ impl Surface {
         self.depth_m[index].is_finite()
     }
 
-    /// What a set of pixels shows.
-    pub(super) fn glimpse(&self, number: usize, members: &[u32]) -> Glimpse {
+    /// What a set of pixels shows; nothing of none.
+    pub(super) fn glimpse(&self, number: usize, members: &[u32]) -> Option<Glimpse> {
         let (width, height) = (self.width as u32, self.height as u32);
         let mut mask = Mask::empty(width, height);
         let mut bounds = PixelBox { first_col: u32::MAX, first_row: u32::MAX, last_col: 0, last_row: 0 };
@@ -71,44 +67,30 @@ impl Surface {
             let [l, a, b] = self.colours[index as usize];
             colour = [colour[0] + l, colour[1] + a, colour[2] + b];
         }
-        let colour = colour.map(|sum| sum / members.len() as f32);
         let is_cut = bounds.first_col == 0
             || bounds.first_row == 0
             || bounds.last_col + 1 == width
             || bounds.last_row + 1 == height;
-        let mut axes = [0, 1, 2]
-            .map(|axis| members.iter().map(|&index| self.points[index as usize][axis]).collect::<Vec<f32>>());
-        let ranks = |share: f64| ((members.len() as f64 - 1.0) * share).round() as usize;
-        let mut at = |share: f64| {
-            let rank = ranks(share).min(members.len().saturating_sub(1));
-            let mut coordinates = [0.0; 3];
-            for (coordinate, values) in coordinates.iter_mut().zip(&mut axes) {
-                *coordinate = f64::from(*values.select_nth_unstable_by(rank, f32::total_cmp).1);
-            }
-            DVec3::from_array(coordinates)
-        };
-        let (low, centre, high) = (at(OUTLIERS), at(0.5), at(1.0 - OUTLIERS));
-        let step = members.len().div_ceil(SAMPLES).max(1);
-        let samples = members.iter().skip(step / 2).step_by(step).map(|&index| index as usize);
-        Glimpse {
+        let points: Vec<DVec3> =
+            members.iter().map(|&index| self.points[index as usize].as_dvec3()).collect();
+        Some(Glimpse {
             number,
             mask,
             area_px: members.len() as u64,
             bounds,
-            colour,
-            centre: (centre + (low + high) * 0.5) * 0.5,
-            low,
-            high,
-            points: samples.map(|index| self.points[index].as_dvec3()).collect(),
-            is_cut,
-        }
+            colour: colour.map(|sum| sum / members.len() as f32),
+            body: Body::of(&points, !is_cut)?,
+        })
     }
 }
 
-/// Median depth of the first frame, metres; 0 of none.
-pub(super) fn median_depth_m(surfaces: &[Surface]) -> f64 {
-    let depths = surfaces.iter().take(1).flat_map(|surface| surface.depth_m.iter().step_by(7));
-    median(depths.filter(|depth_m| depth_m.is_finite()).map(|&depth_m| f64::from(depth_m)).collect())
+/// Median depth of the first frame of a clip, metres; 0 of none.
+pub(super) fn median_depth_m(clip: &ViewClip) -> f64 {
+    let depth = clip.frames.first().map(|seen| &seen.depth);
+    let depths = depth.into_iter().flat_map(|depth| depth.depth_m.iter().zip(&depth.alpha).step_by(7));
+    let is_known = |depth_m: f32, alpha: f32| depth_m.is_finite() && depth_m > 0.0 && alpha >= LEAST_ALPHA;
+    let known = depths.filter(|(depth_m, alpha)| is_known(**depth_m, alpha.to_f32()));
+    median(known.map(|(&depth_m, _)| f64::from(depth_m)).collect())
 }
 
 /// Size of a scene that is so far away.

@@ -5,8 +5,12 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use glam::{DVec3, Vec3};
+use l4d_data::StageError;
+use l4d_ground::ViewClip;
+use l4d_ground::panoptic::Elements;
 use l4d_splat::gaussians::ShDegree;
-use l4d_splat::raster::{RasterSettings, Rasterizer};
+use l4d_splat::raster::{Projected, RasterError, RasterSettings, Rasterizer};
 use l4d_splat::splats::{SplatParts, Splats};
 use l4d_splat::view::View;
 use l4d_splat::{Model, model::ModelError};
@@ -52,6 +56,53 @@ impl Canvas<'_> {
             None => work_out().map(Arc::new),
         }
     }
+}
+
+impl Elements for Canvas<'_> {
+    fn means(&self, time: f32) -> Result<Vec<DVec3>, StageError> {
+        let splats = self.shapes_at(time).map_err(at_clip)?;
+        Ok(splats.means().iter().map(|mean| Vec3::from_array(*mean).as_dvec3()).collect())
+    }
+
+    fn gather(
+        &self,
+        clip: &ViewClip,
+        frame: u32,
+        pixels: &[f32],
+        channels: usize,
+    ) -> Result<Vec<f32>, StageError> {
+        self.look(clip, frame, |projected| projected.gather_features(pixels, channels)).map_err(at_clip)
+    }
+
+    fn splat(
+        &self,
+        clip: &ViewClip,
+        frame: u32,
+        features: &[f32],
+        channels: usize,
+    ) -> Result<Vec<f32>, StageError> {
+        self.look(clip, frame, |projected| projected.splat_features(features, channels)).map_err(at_clip)
+    }
+}
+
+impl Canvas<'_> {
+    fn look<T>(
+        &self,
+        clip: &ViewClip,
+        frame: u32,
+        ask: impl FnOnce(&dyn Projected) -> Result<T, RasterError>,
+    ) -> Result<T, LiftError> {
+        let size = [clip.width, clip.height];
+        let view = View::of_camera(&clip.camera, frame, size, size)
+            .map_err(|source| LiftError::View { view: clip.camera.name.to_string(), source })?;
+        let splats = self.shapes_at(clip.timeline.time(frame))?;
+        let projected = self.rasterizer.prepare(&splats, &view, self.raster)?;
+        Ok(ask(projected.as_ref())?)
+    }
+}
+
+fn at_clip(error: LiftError) -> StageError {
+    StageError::of(&error, "draw the clips again, or train the model again")
 }
 
 /// Whether a time lies in the clip.
