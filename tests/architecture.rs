@@ -24,6 +24,8 @@ const FORBIDDEN: &str = "
         polars plotters ratatui ureq
     l4d-solve: l4d-gpu l4d-votes l4d-score l4d-board wgpu polars plotters ratatui
     l4d-board: l4d-frames l4d-query l4d-votes exr ratatui ureq
+    l4d-view: l4d-gpu l4d-query l4d-votes l4d-endpoint l4d-ground l4d-solve l4d-score l4d-board wgpu \
+        polars plotters ratatui ureq
     l4d-votes: l4d-annotate l4d-frames l4d-query l4d-score l4d-board exr image polars plotters ratatui \
         ureq
     l4d-annotate: l4d-query l4d-score l4d-board l4d-endpoint l4d-propose polars plotters ureq

@@ -1,6 +1,7 @@
 //! The leaderboard's page in a real browser: what a person can do with it, by mouse, by keys and by ear.
 
 mod browser;
+mod viewing;
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;

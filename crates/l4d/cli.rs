@@ -28,7 +28,7 @@ use self::scenes::{
     ArrangeArgs, BuildScenesArgs, CheckScenesArgs, ComposeArgs, DoctorArgs, PythonArgs, SheetArgs,
 };
 use self::solver::{AblateArgs, QueryArgs, SolveArgs};
-use self::splats::{BenchCommand, RenderSplatsArgs, TrainSplatsArgs};
+use self::splats::{BenchCommand, RenderSplatsArgs, TrainSplatsArgs, ViewArgs};
 
 /// Benchmark and dataset toolkit for 4D language grounding.
 #[derive(Debug, Parser)]
@@ -87,6 +87,8 @@ pub(crate) enum Command {
     TrainSplats(TrainSplatsArgs),
     /// Draw clips of a model: colour and depth from any cameras at any times
     RenderSplats(RenderSplatsArgs),
+    /// Write one page that shows a scene over time: Gaussians, cameras, boxes, events, sentences with masks
+    View(ViewArgs),
     /// Answer queries with PanopticQuery: clips, grounding, consensus, lifting, masks of the held-out view
     Solve(SolveArgs),
     /// Ask one sentence about one scene: what each stage decides, masks, pictures

@@ -32,6 +32,7 @@ mod train_splats;
 mod verdict;
 #[cfg(feature = "annotate")]
 mod verify_prompts;
+mod view;
 
 use anyhow::Result;
 
@@ -65,6 +66,7 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::Verdict(args) => verdict::run(args, out),
         Command::TrainSplats(args) => train_splats::run(args, out),
         Command::RenderSplats(args) => render_splats::run(args, out),
+        Command::View(args) => view::run(args, out),
         Command::Query(args) => query::run(args, out),
         Command::Solve(args) => solve::run(args, out),
         Command::Ablate(args) => ablate::run(args, out),

@@ -1,4 +1,4 @@
-//! Grammar of the verbs around splats: train-splats, render-splats, bench splats.
+//! Grammar of the verbs around splats: train-splats, render-splats, view, bench splats.
 
 use std::path::PathBuf;
 
@@ -140,6 +140,40 @@ pub(crate) struct RenderSplatsArgs {
     /// Replace clips of another model or other settings
     #[arg(long)]
     pub(crate) overwrite: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ViewArgs {
+    /// Scene to look at
+    pub(crate) scene: String,
+    /// Folder of the benchmark: boxes, tracks, events, sentences and the truth come from it, where it has them
+    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    pub(crate) bench: PathBuf,
+    /// Pictures and masks that are shown, and where things are by default: tiny, small or full; real for captures
+    #[arg(long, default_value = "small")]
+    pub(crate) profile: Profile,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
+    /// A checkpoint of train-splats, or a model of others as for render-splats; default: <work>/<profile>/<scene>/splats
+    #[arg(long, value_name = "PATH")]
+    pub(crate) splats: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) reader: ReaderArgs,
+    /// Folder with one folder a method, for --methods
+    #[arg(long, value_name = "DIR", default_value = "results")]
+    pub(crate) results: PathBuf,
+    /// Methods whose masks are shown beside the truth, at most three (comma-separated or repeated); default: none
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub(crate) methods: Vec<String>,
+    /// Leave out the pictures, depth and ids of the cameras: the page is smaller and written faster
+    #[arg(long)]
+    pub(crate) no_pictures: bool,
+    /// Page to write; default: <work>/<profile>/<scene>/view.html
+    #[arg(long, short, value_name = "HTML")]
+    pub(crate) out: Option<PathBuf>,
+    /// Replace a page that l4d did not write
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 /// What a model of others does not say itself.

@@ -1,0 +1,100 @@
+//! `l4d view`: one page that shows a scene over time.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::Result;
+use l4d_data::layout::{BenchDir, ResultsDir, SceneDir};
+use l4d_data::query::read_queries;
+use l4d_data::store::{Claim, folder_of, write_atomic};
+use l4d_data::tracks::Tracks;
+use l4d_data::truth::Truth;
+use l4d_data::{DataError, Name, Rig, Scene};
+use l4d_splat::source::Source;
+use l4d_view::{MOST_METHODS, Request};
+
+use crate::cli::splats::ViewArgs;
+use crate::out::{ExitStatus, Printer, refusal};
+
+pub(crate) fn run(args: &ViewArgs, out: &Printer) -> Result<ExitStatus> {
+    let start = Instant::now();
+    let name = Name::new(&args.scene)?;
+    let space = args.work.space(args.profile);
+    let dir = space.scene(&name);
+    let splats = args.splats.clone().unwrap_or_else(|| space.work(&name).splats());
+    let methods = methods(args)?;
+    let rig = Rig::read(&dir.rig(args.profile))?;
+    let source = Source::open(&splats, args.reader.options())?;
+    let source = source.on(&splats, rig.timeline(), &rig.clip(args.profile))?;
+    source.notes.iter().for_each(|note| out.note(format!("{}: {note}", splats.display())));
+
+    let bench = BenchDir::new(&args.bench);
+    let tracks = if_there(&bench.tracks(&name), Tracks::read)?;
+    let truth = if_there(&bench.truth(args.profile, &name), Truth::read)?;
+    let queries = if_there(&bench.queries(&name), |path| read_queries(path, &name))?.unwrap_or_default();
+    let scene = match args.no_pictures || !args.profile.is_rendered() {
+        true => None,
+        false => rendered(&dir, &rig, out)?,
+    };
+    let request = Request {
+        scene: &name,
+        profile: args.profile,
+        rig: &rig,
+        model: &source.model,
+        background: source.background.unwrap_or_default(),
+        near_m: source.near_m,
+        tracks: tracks.as_ref(),
+        rendered: scene.as_ref().map(|scene| (scene, &dir)),
+        truth: truth.as_ref(),
+        queries: &queries,
+        methods: &methods,
+    };
+    let path = args.out.clone().unwrap_or_else(|| space.work(&name).splats().with_file_name("view.html"));
+    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let _claim = Claim::take(folder_of(&path), vec![file], None, args.force)?;
+    let page = l4d_view::page(&request, out)?;
+    write_atomic(&path, &page.html)?;
+    out.note(format!(
+        "{} Gaussians at {} moments, {} pictures, {} sentences: {:.1} MB in {:.1} s; open it in a browser",
+        page.gaussians,
+        page.times,
+        page.pictures,
+        page.sentences,
+        page.html.len() as f64 / 1e6,
+        start.elapsed().as_secs_f64(),
+    ));
+    out.data(path.display())?;
+    Ok(ExitStatus::Success)
+}
+
+/// The folders of the methods that are named.
+fn methods(args: &ViewArgs) -> Result<Vec<(String, ResultsDir)>> {
+    if args.methods.len() > MOST_METHODS {
+        let message = format!("{} methods, but a page shows {MOST_METHODS}", args.methods.len());
+        return Err(refusal(message, format!("name at most {MOST_METHODS} with --methods")));
+    }
+    let folder = |name: &String| {
+        let folder = ResultsDir::new(args.results.join(Name::new(name)?.as_str()));
+        if folder.card().is_file() {
+            return Ok((name.clone(), folder));
+        }
+        let message = format!("{}: there are no results of a method", folder.root().display());
+        Err(refusal(message, "name folders of --results that have a method.json"))
+    };
+    args.methods.iter().map(folder).collect()
+}
+
+/// What is read from a file, or nothing where there is no file.
+fn if_there<T>(path: &Path, read: impl FnOnce(&Path) -> Result<T, DataError>) -> Result<Option<T>> {
+    Ok(if path.exists() { Some(read(path)?) } else { None })
+}
+
+/// The scene if its frames are there; the cameras may be all that is.
+fn rendered(dir: &SceneDir, rig: &Rig, out: &Printer) -> Result<Option<Scene>> {
+    let is_there = rig.cameras.iter().all(|camera| dir.view(&camera.name).is_dir());
+    if !is_there {
+        out.note(format!("no frames in {}, so no pictures, depth and ids", dir.root().display()));
+        return Ok(None);
+    }
+    Ok(Some(Scene::read(&dir.scene())?))
+}
