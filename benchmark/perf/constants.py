@@ -17,7 +17,7 @@ scenes.
 
 `train` learns each scene anew and takes the PSNR of its held-out view, `sweep` does so without depth; `solve`
 asks the oracle with the errors of `constants_noise.toml` about the models that `train` made as shipped, and
-takes mIoU; so does `panoptic`, with its own masks. All of it is about one benchmark folder, by default
+takes mIoU; so do `panoptic` and `fused`, with their own masks. All of it is about one benchmark folder, by default
 `benchmark/dev`: nothing may be chosen on the test set.
 """
 
@@ -42,8 +42,8 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-STAGES = ("train", "sweep", "solve", "panoptic")
-UNITS = {"train": "dB", "sweep": "dB", "solve": "mIoU", "panoptic": "mIoU"}
+STAGES = ("train", "sweep", "solve", "panoptic", "fused")
+UNITS = {"train": "dB", "sweep": "dB", "solve": "mIoU", "panoptic": "mIoU", "fused": "mIoU"}
 SHIPPED = "shipped"
 
 HELPER = """//! Constants that the environment may replace.
@@ -278,6 +278,7 @@ def solved(options: argparse.Namespace, scenes: list[str], said: str, scratch: P
     grounder = {
         "solve": ["--grounder", "oracle", "--noise", HERE / "constants_noise.toml"],
         "panoptic": ["--grounder", "panoptic"],
+        "fused": ["--grounder", "panoptic-fused"],
     }[options.stage]
     about = ["--bench", options.bench, "--profile", options.profile, "--scenes", ",".join(scenes)]
     places = ["--data", options.data, "--work", options.work]

@@ -36,7 +36,7 @@ pub struct Reading {
 }
 
 impl Reading {
-    /// A meaning that nobody doubts.
+    /// A meaning that is certain.
     pub fn certain(predicate: Predicate, temporal: Temporal) -> Self {
         Self { predicate, temporal, confidence: 1.0, skipped: Vec::new(), repairs: Vec::new() }
     }

@@ -26,7 +26,7 @@ pub enum Grounders {
     Fused {
         /// What sees and reads.
         panoptic: Arc<Panoptic>,
-        /// What the truth stands in for.
+        /// What is taken from the truth.
         given: BTreeSet<Part>,
     },
     /// One for all scenes, which asks a model server.
@@ -112,7 +112,7 @@ impl Grounders {
     }
 }
 
-/// The truth that stands in for parts of a grounder.
+/// The truth, for the parts of a grounder that take it.
 fn truth_of(
     scene: &SolveScene,
     place: &SceneDir,

@@ -40,7 +40,7 @@ impl GrounderArg {
     }
 }
 
-/// What the truth may stand in for.
+/// What may be taken from the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PartArg {
     /// What the sentence means
@@ -85,7 +85,7 @@ pub(crate) struct MethodArgs {
     /// Weights of your own for panoptic: a folder of perception.onnx and perception.json
     #[arg(long, value_name = "DIR")]
     pub(crate) weights: Option<PathBuf>,
-    /// Parts of panoptic-fused that the truth stands in for, to measure what each costs; never ranked
+    /// Parts of panoptic-fused to take from the truth, to measure what each costs; never ranked
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PARTS")]
     pub(crate) given: Vec<PartArg>,
     #[command(flatten)]

@@ -14,7 +14,7 @@ use super::look::{Things, log_softmax};
 use super::tracks::{name_of, tracks_of};
 
 /// How sharply the mean over glimpses decides: that of several is surer than each.
-const KIND_POWER: f32 = 2.0;
+const KIND_POWER: f32 = 1.0;
 /// The same of properties.
 const VALUE_POWER: f32 = 1.5;
 /// Odds below this are dropped.

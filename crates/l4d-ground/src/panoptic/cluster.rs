@@ -7,9 +7,9 @@
 /// Pixels of its Gaussians from which a picture says something of a segment.
 const LEAST_PX: f32 = 3.0;
 /// Share of them that must be in one segment there.
-const MAIN_SHARE: f32 = 0.5;
+const MAIN_SHARE: f32 = 0.4;
 /// Share of the pictures that must agree, with [`DOUBT`] more that do not.
-const LEAST_AGREEMENT: f32 = 0.5;
+const LEAST_AGREEMENT: f32 = 0.4;
 /// Pictures that disagree with everything.
 const DOUBT: f32 = 1.0;
 /// Share of what is seen of a Gaussian that must be of a thing.

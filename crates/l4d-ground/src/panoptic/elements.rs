@@ -1,4 +1,4 @@
-//! What all views of a scene show parts of: the Gaussians of its model, whoever keeps and draws them.
+//! What all views of a scene show parts of: the Gaussians of its model.
 
 use glam::DVec3;
 use l4d_data::StageError;

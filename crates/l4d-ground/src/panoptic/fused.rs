@@ -44,7 +44,7 @@ struct Picture<'c> {
 }
 
 impl Fused {
-    /// Looks at the views of a scene, and puts together what they show; the truth stands in for what is `given`.
+    /// Looks at the views of a scene, and puts together what they show; `given` has what to take from the truth.
     ///
     /// # Errors
     /// Weights that cannot be run, Gaussians that cannot be drawn, truth that cannot be read.

@@ -1,4 +1,4 @@
-//! Parts of seeing and reading that the truth stands in for, to measure what each of them costs.
+//! Parts of seeing and reading that are taken from the truth, to measure what each of them costs.
 //!
 //! Answers that were helped so are marked as using the truth, and are never ranked.
 
@@ -16,7 +16,7 @@ use super::tracks::name_of;
 use crate::clip::ViewClip;
 use crate::oracle::IdSource;
 
-/// What the truth may stand in for.
+/// What may be taken from the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Part {
