@@ -8,7 +8,7 @@ use std::sync::Arc;
 use l4d_data::tracks::Tracks;
 use l4d_data::{DataError, Name, Query, Temporal};
 use l4d_query::Predicate;
-use l4d_query::soft::{Belief, BelievedEvent, Noise};
+use l4d_query::soft::{Belief, BelievedEvent, Noise, Odds, Thing};
 use serde::{Deserialize, Serialize};
 
 use super::believe::Scene;
@@ -111,9 +111,21 @@ impl Given {
     /// is, if it is one.
     pub(super) fn correct(&self, scene: &mut Scene, instance_of: &[Option<usize>]) {
         let Ok(truth) = Belief::certain(&self.tracks) else { return };
-        for (thing, instance) in scene.things.iter_mut().zip(instance_of) {
-            let name = instance.map(|number| &self.tracks.instances[number].name);
-            let Some(known) = truth.things().find(|known| Some(&known.name) == name) else { continue };
+        for (number, instance) in instance_of.iter().enumerate() {
+            let Some((name, instance)) = name_of(number).zip(*instance) else { continue };
+            let own = &self.tracks.instances[instance].name;
+            let Some(known) = truth.things().find(|known| known.name == *own) else { continue };
+            if self.gives(Part::Things) && scene.things.iter().all(|thing| thing.name != name) {
+                // No view shows it, so that the network says nothing of it.
+                let unknown = Thing {
+                    kinds: Odds::new(),
+                    attributes: BTreeMap::new(),
+                    presence: 1.0,
+                    name: name.clone(),
+                };
+                scene.things.push(unknown);
+            }
+            let Some(thing) = scene.things.iter_mut().find(|thing| thing.name == name) else { continue };
             if self.gives(Part::Kinds) {
                 thing.kinds = known.kinds.clone();
             }
