@@ -59,7 +59,7 @@ pub(crate) fn open_grounders(args: &MethodArgs, work: &SharedWork, out: &Printer
     Ok(match args.grounder {
         GrounderArg::Panoptic => Grounders::Shared(panoptic()?),
         GrounderArg::PanopticFused => {
-            let given = args.given.iter().map(|part| part.part()).collect();
+            let given = args.given.iter().copied().collect();
             Grounders::Fused { panoptic: panoptic()?, given }
         }
         GrounderArg::Oracle => {

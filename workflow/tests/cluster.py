@@ -37,7 +37,7 @@ def free_ports(count):
 
 
 class Cluster:
-    """Daemons that end with the `with` block. `env` is the environment for those who submit."""
+    """Daemons that stop at the end of the `with` block. `env` is the environment in which jobs are submitted."""
 
     def __init__(self, folder, nodes=2, cpus=1, memory=16000, options=""):
         self.folder = Path(folder).resolve()

@@ -34,7 +34,7 @@ def test_a_killed_run_goes_on(rendered, bare, l4d):
     assert splats.exists()
     assert not (rendered / "leaderboard").exists()
 
-    # Nobody was left to remove the lock.
+    # The killed run left its lock behind.
     subprocess.run([*command, "--unlock"], cwd=rendered, check=True, capture_output=True)
     snakemake(rendered, "--cores", 1, **config(l4d))
     assert answers(rendered) == answers(bare)

@@ -72,10 +72,9 @@ impl Panoptic {
         let description = read_bounded(&described, MOST_BYTES)?;
         let description = String::from_utf8_lossy(&description);
         let bytes = read_bounded(&weights, MOST_BYTES)?;
-        Network::load(bytes, &description).map(Self::of).map_err(|error| {
-            let message = format!("{}: {error}", weights.display());
-            StageError::new(message, "docs/network.md says how weights are made")
-        })
+        Network::load(bytes, &description)
+            .map(Self::of)
+            .map_err(|error| unusable(format!("{}: {error}", weights.display())))
     }
 
     /// The grounder with the weights that l4d ships.
@@ -170,6 +169,11 @@ impl Grounder for Panoptic {
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
         self.answer(clip, question).unwrap_or_else(Grounding::without_answer)
     }
+}
+
+/// Weights that cannot be run.
+fn unusable(message: String) -> StageError {
+    StageError::new(message, "docs/network.md says how weights are made")
 }
 
 /// What a sentence means among the things that are seen.

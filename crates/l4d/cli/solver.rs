@@ -40,32 +40,7 @@ impl GrounderArg {
     }
 }
 
-/// What may be taken from the truth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PartArg {
-    /// What the sentence means
-    Reading,
-    /// Which pixels are one thing, and where it is
-    Things,
-    /// What each is called
-    Kinds,
-    /// What each looks like
-    Attributes,
-    /// Who does what
-    Events,
-}
-
-impl PartArg {
-    pub(crate) fn part(self) -> Part {
-        match self {
-            Self::Reading => Part::Reading,
-            Self::Things => Part::Things,
-            Self::Kinds => Part::Kinds,
-            Self::Attributes => Part::Attributes,
-            Self::Events => Part::Events,
-        }
-    }
-}
+const PARTS: [&str; 5] = ["reading", "things", "kinds", "attributes", "events"];
 
 /// A method of the reference solver.
 #[derive(Debug, Clone, Args)]
@@ -85,9 +60,10 @@ pub(crate) struct MethodArgs {
     /// Weights of your own for panoptic: a folder of perception.onnx and perception.json
     #[arg(long, value_name = "DIR")]
     pub(crate) weights: Option<PathBuf>,
-    /// Parts of panoptic-fused to take from the truth, to measure what each costs; never ranked
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "PARTS")]
-    pub(crate) given: Vec<PartArg>,
+    /// Parts of panoptic-fused to take from the truth, to measure what each costs (what the sentence means; which pixels
+    /// are one thing, and where it is; what each is called; what each looks like; who does what); never ranked
+    #[arg(long, value_delimiter = ',', value_name = "PARTS", value_parser = one_of::<Part>(PARTS))]
+    pub(crate) given: Vec<Part>,
     #[command(flatten)]
     pub(crate) server: ServerArgs,
     /// Rules and constants that belong together: what holds up where the paper is silent (robust), or as the paper writes

@@ -28,9 +28,8 @@ impl Shown {
     /// From the sums of blend weights by label, `labels` numbers a Gaussian.
     pub(super) fn of_sums(sums: &[f32], labels: usize) -> Self {
         let rows = || sums.chunks_exact(labels.max(1));
-        let most = |row: &[f32]| (0..row.len()).rev().max_by(|a, b| row[*a].total_cmp(&row[*b])).unwrap_or(0);
         Self {
-            label: rows().map(|row| most(row) as u16).collect(),
+            label: rows().map(|row| largest(row).unwrap_or(0) as u16).collect(),
             seen_px: rows().map(|row| row.iter().sum()).collect(),
         }
     }
@@ -51,9 +50,8 @@ impl Shown {
             scratch[label] += self.seen_px[element as usize];
         }
         let total: f32 = scratch.iter().sum();
-        let most = (0..scratch.len()).rev().max_by(|a, b| scratch[*a].total_cmp(&scratch[*b]));
         let is_main = |label: &usize| total >= LEAST_PX && scratch[*label] >= MAIN_SHARE * total;
-        most.filter(is_main).unwrap_or(0) as u16
+        largest(scratch).filter(is_main).unwrap_or(0) as u16
     }
 }
 
@@ -84,27 +82,31 @@ pub(super) fn clusters(pictures: &[Shown], segments: &[Segment]) -> Vec<Cluster>
     let mut groups = Agreement::of(pictures, segments).groups();
     let pixels = |group: &Vec<usize>| group.iter().map(|&number| segments[number].area_px).sum::<u64>();
     groups.sort_by_key(|group| std::cmp::Reverse(pixels(group)));
-    let owned = owned(pictures, segments, &groups);
-    of_groups(pictures, groups, owned).filter(|cluster| !cluster.elements.is_empty()).collect()
+    of_groups(pictures, segments, groups).filter(|cluster| !cluster.elements.is_empty()).collect()
 }
 
 /// Segments that are known to be of things: those of label k + 1 in every picture are of thing k.
 pub(super) fn labelled(pictures: &[Shown], segments: &[Segment], things: usize) -> Vec<Cluster> {
     let mut groups = vec![Vec::new(); things];
     segments.iter().enumerate().for_each(|(number, one)| groups[usize::from(one.label) - 1].push(number));
-    let owned = owned(pictures, segments, &groups);
-    of_groups(pictures, groups, owned).collect()
+    of_groups(pictures, segments, groups).collect()
 }
 
 fn of_groups(
     pictures: &[Shown],
+    segments: &[Segment],
     groups: Vec<Vec<usize>>,
-    owned: Vec<Vec<u32>>,
 ) -> impl Iterator<Item = Cluster> {
     let in_sight =
         |elements: &[u32]| pictures.iter().filter(|shown| shown.seen(elements) >= LEAST_PX).count();
+    let owned = owned(pictures, segments, &groups);
     let clusters = groups.into_iter().zip(owned);
     clusters.map(move |(segments, elements)| Cluster { in_sight: in_sight(&elements), segments, elements })
+}
+
+/// Where the largest of some numbers is, the first of equals.
+pub(super) fn largest(values: &[f32]) -> Option<usize> {
+    (0..values.len()).rev().max_by(|a, b| values[*a].total_cmp(&values[*b]))
 }
 
 /// The Gaussians of each group: those that pictures show in its segments more than in those of any other.
@@ -134,8 +136,7 @@ fn owned(pictures: &[Shown], segments: &[Segment], groups: &[Vec<usize>]) -> Vec
                 *vote += seen_px;
             }
         }
-        let most = (0..votes.len()).rev().max_by(|a, b| votes[*a].total_cmp(&votes[*b]));
-        if let Some(group) = most.filter(|&group| votes[group] > OWN_SHARE * total) {
+        if let Some(group) = largest(&votes).filter(|&group| votes[group] > OWN_SHARE * total) {
             owned[group].push(element as u32);
         }
     }

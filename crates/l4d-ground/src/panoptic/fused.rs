@@ -14,13 +14,13 @@ use l4d_masks::Mask;
 use l4d_network::{Found, Seen};
 use serde_json::{Value, json};
 
-use super::Panoptic;
 use super::believe::Scene;
-use super::cluster::{Cluster, Segment, Shown, clusters, labelled};
+use super::cluster::{Cluster, Segment, Shown, clusters, labelled, largest};
 use super::elements::Elements;
 use super::given::{Given, Part};
 use super::look::{Things, look_at_all, mean_of, picture_of, presence, scene_of, weight};
 use super::perceive::{Body, Perceived, Track};
+use super::{Panoptic, unusable};
 use crate::clip::ViewClip;
 use crate::grounder::{Grounder, Grounding, Outcome, Question};
 use crate::unreadable::Unreadable;
@@ -36,7 +36,7 @@ pub struct Fused {
     given: Option<Given>,
 }
 
-/// A picture of a clip: number of the view, index of the frame, what the network says.
+/// A frame of a clip, and what the network says of it.
 struct Picture<'c> {
     clip: &'c ViewClip,
     frame: u32,
@@ -75,12 +75,14 @@ impl Fused {
                 things_of[segments[number].picture].push((segments[number].label, thing as u16 + 1));
             }
         }
-        let mut labels: BTreeMap<String, Vec<Vec<u16>>> = BTreeMap::new();
-        let digests: Vec<String> = clips.iter().map(ViewClip::digest).collect();
-        for (picture, things_of) in pictures.iter().zip(&things_of) {
+        let mut outlined = pictures.iter().zip(&things_of).map(|(picture, things_of)| {
             let drawn = picture.drawn(elements, &owners, clusters.len())?;
-            let clip = clips.iter().position(|clip| std::ptr::eq(clip, picture.clip)).unwrap_or(0);
-            labels.entry(digests[clip].clone()).or_default().push(picture.outlined(drawn, things_of));
+            Ok(picture.outlined(drawn, things_of))
+        });
+        let mut labels = BTreeMap::new();
+        for clip in clips {
+            let frames = outlined.by_ref().take(clip.frames.len()).collect::<Result<_, StageError>>()?;
+            labels.insert(clip.digest(), frames);
         }
         let mut scene = Scene::of(&things, panoptic.network.description());
         if let Some((given, scene)) = given.as_ref().zip(scene.as_mut()) {
@@ -149,12 +151,8 @@ impl Grounder for Fused {
 fn pictures<'c>(panoptic: &Panoptic, clips: &'c [ViewClip]) -> Result<Vec<Picture<'c>>, StageError> {
     let mut pictures = Vec::new();
     for clip in clips {
-        let seen = look_at_all(clip, &panoptic.network).map_err(|error| {
-            StageError::new(
-                format!("looking at the views: {error}"),
-                "docs/network.md says how weights are made",
-            )
-        })?;
+        let seen = look_at_all(clip, &panoptic.network)
+            .map_err(|error| unusable(format!("looking at the views: {error}")))?;
         pictures.extend(clip.frame_numbers().zip(seen).map(|(frame, seen)| Picture { clip, frame, seen }));
     }
     Ok(pictures)
@@ -172,10 +170,10 @@ fn labelled_pictures<'c>(
             let labels = given
                 .labels(clip, frame.frame)
                 .map_err(|error| StageError::of(&error, "build the scene again"))?;
-            let found =
-                panoptic.network.describe_things(&picture_of(frame), &labels, given.instances()).map_err(
-                    |error| StageError::new(error.to_string(), "docs/network.md says how weights are made"),
-                )?;
+            let found = panoptic
+                .network
+                .describe_things(&picture_of(frame), &labels, given.instances())
+                .map_err(|error| unusable(format!("looking at the views: {error}")))?;
             pictures.push(Picture { clip, frame: frame.frame, seen: Seen { labels, found } });
         }
     }
@@ -225,8 +223,7 @@ impl Picture<'_> {
             row[usize::from(owner)] = 1.0;
         }
         let blended = elements.splat(self.clip, self.frame, &features, channels)?;
-        let most = |row: &[f32]| (0..row.len()).rev().max_by(|a, b| row[*a].total_cmp(&row[*b])).unwrap_or(0);
-        Ok(blended.chunks_exact(channels).map(|row| most(row) as u16).collect())
+        Ok(blended.chunks_exact(channels).map(|row| largest(row).unwrap_or(0) as u16).collect())
     }
 
     /// The same with the outlines that the network saw, for those things that it saw here: `things` has the thing of

@@ -32,22 +32,6 @@ pub enum Part {
     Events,
 }
 
-impl Part {
-    /// All of them, in the order of the flow.
-    pub const ALL: [Self; 5] = [Self::Reading, Self::Things, Self::Kinds, Self::Attributes, Self::Events];
-
-    /// One word.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Reading => "reading",
-            Self::Things => "things",
-            Self::Kinds => "kinds",
-            Self::Attributes => "attributes",
-            Self::Events => "events",
-        }
-    }
-}
-
 /// The truth about a scene, and which parts of it are given away.
 pub struct Given {
     parts: BTreeSet<Part>,
