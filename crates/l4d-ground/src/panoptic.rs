@@ -5,6 +5,7 @@
 //! down. Owns no rule of English and no meaning of a clause: `l4d-english` reads, `l4d-query` judges.
 
 mod believe;
+mod bodies;
 mod cluster;
 mod elements;
 mod fused;
@@ -148,7 +149,7 @@ impl Grounder for Panoptic {
     fn identity(&self) -> Value {
         json!({
             "kind": "panoptic",
-            "version": 1,
+            "version": 2,
             "weights": self.network.description().sha256,
         })
     }
@@ -217,7 +218,6 @@ fn told(one: &Ranked, things: &Things, description: &Description) -> String {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
     use half::f16;
 
     use super::*;
@@ -257,12 +257,6 @@ mod tests {
     struct Wall;
 
     impl Elements for Wall {
-        fn means(&self, _time: f32) -> Result<Vec<DVec3>, StageError> {
-            Ok((0..96 * 64)
-                .map(|at| DVec3::new(f64::from(at % 96), 0.0, f64::from(at / 96)) * 0.01)
-                .collect())
-        }
-
         fn gather(&self, _: &ViewClip, _: u32, pixels: &[f32], _: usize) -> Result<Vec<f32>, StageError> {
             Ok(pixels.to_vec())
         }

@@ -1,4 +1,5 @@
-//! What describes an object: its colour, and the features of all levels averaged over its mask.
+//! What describes an object: its colour, the features of all levels averaged over its mask, and the finest level and
+//! the colour averaged over parts of it.
 //!
 //! `training/l4d_network/model.py` (`pool`) does the same.
 
@@ -13,12 +14,14 @@ pub(crate) struct Level<'a> {
     pub(crate) values: &'a [f32],
 }
 
-/// Rows for the objects 1 to `count` of a label picture at half resolution; `colour` has R, G, B a pixel there.
+/// Rows for the objects 1 to `count` of a label picture at half resolution; `colour` has R, G, B a pixel there, `parts`
+/// how much a pixel counts for each part. The finest level comes first.
 pub(crate) fn rows(
     labels: &[u32],
     [width, height]: [usize; 2],
     count: usize,
     colour: &[f32],
+    parts: &Level<'_>,
     levels: &[Level<'_>],
 ) -> Vec<Vec<f32>> {
     let mut sums = vec![[0.0_f64; 6]; count];
@@ -43,7 +46,43 @@ pub(crate) fn rows(
         let means = level_means(labels, [width, height], count, level);
         rows.iter_mut().zip(means).for_each(|(row, means)| row.extend(means));
     }
+    if let Some(finest) = levels.first() {
+        let means = part_means(labels, count, colour, parts, finest);
+        rows.iter_mut().zip(means).for_each(|(row, means)| row.extend(means));
+    }
     rows
+}
+
+/// Means of the finest level and of the colour over each part of each object.
+fn part_means(
+    labels: &[u32],
+    count: usize,
+    colour: &[f32],
+    parts: &Level<'_>,
+    finest: &Level<'_>,
+) -> Vec<Vec<f32>> {
+    let (size, numbers) = (labels.len(), finest.channels + 3);
+    let mut sums = vec![vec![0.0_f32; parts.channels * numbers]; count];
+    let mut totals = vec![vec![0.0_f32; parts.channels]; count];
+    let mut pixel = vec![0.0_f32; numbers];
+    for (at, label) in labels.iter().enumerate() {
+        let Some(object) = (*label as usize).checked_sub(1) else { continue };
+        for (channel, value) in pixel[..finest.channels].iter_mut().enumerate() {
+            *value = finest.values[channel * size + at];
+        }
+        pixel[finest.channels..].copy_from_slice(&colour[at * 3..][..3]);
+        for (part, sums) in sums[object].chunks_exact_mut(numbers).enumerate() {
+            let counts = parts.values[part * size + at];
+            totals[object][part] += counts;
+            sums.iter_mut().zip(&pixel).for_each(|(sum, value)| *sum += counts * value);
+        }
+    }
+    for (sums, totals) in sums.iter_mut().zip(&totals) {
+        for (sums, total) in sums.chunks_exact_mut(numbers).zip(totals) {
+            sums.iter_mut().for_each(|sum| *sum /= total.max(1e-6));
+        }
+    }
+    sums
 }
 
 /// Means of a level over the share of each of its cells that an object covers.

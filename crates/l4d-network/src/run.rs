@@ -55,6 +55,7 @@ pub struct Network {
     pool: Arc<ThreadPool>,
     picture: NodeId,
     pixels: NodeId,
+    parts: NodeId,
     levels: Vec<NodeId>,
     objects: NodeId,
     kinds: NodeId,
@@ -86,6 +87,7 @@ impl Network {
             pool: Arc::new(ThreadPool::with_num_threads(1)),
             picture: node("picture")?,
             pixels: node("pixels")?,
+            parts: node("parts")?,
             levels: levels.collect::<Result<_, _>>()?,
             objects: node("objects")?,
             kinds: node("kinds")?,
@@ -120,8 +122,8 @@ impl Network {
         let labels = pixels.labels(&centres, self.description.offset_px, [picture.width, picture.height]);
         let small = pixels.labels(&centres, self.description.offset_px, half);
         let small_colour = halved(&colour, size);
-        let levels: Vec<Level<'_>> = outputs[1..].iter().map(Planes::level).collect();
-        let rows = rows(&small, half, centres.len(), &small_colour, &levels);
+        let levels: Vec<Level<'_>> = outputs[2..].iter().map(Planes::level).collect();
+        let rows = rows(&small, half, centres.len(), &small_colour, &outputs[1].level(), &levels);
         Ok(Seen { labels, found: self.describe(&rows)? })
     }
 
@@ -146,8 +148,8 @@ impl Network {
             labels.get(row * picture.width + column).copied().unwrap_or(0)
         };
         let small: Vec<u32> = (0..half[0] * half[1]).map(nearest).collect();
-        let levels: Vec<Level<'_>> = outputs[1..].iter().map(Planes::level).collect();
-        self.describe(&rows(&small, half, count, &halved(&colour, size), &levels))
+        let levels: Vec<Level<'_>> = outputs[2..].iter().map(Planes::level).collect();
+        self.describe(&rows(&small, half, count, &halved(&colour, size), &outputs[1].level(), &levels))
     }
 
     /// Kinds and values of objects by their rows.
@@ -169,7 +171,7 @@ impl Network {
         Ok(found.collect())
     }
 
-    /// Pixels, then the levels.
+    /// Pixels, parts, then the levels.
     pub(crate) fn features(
         &self,
         colour: &[f32],
@@ -178,7 +180,8 @@ impl Network {
         let planar: Vec<f32> =
             (0..3).flat_map(|channel| colour.chunks_exact(3).map(move |pixel| pixel[channel])).collect();
         let picture = NdTensor::from_data([1, 3, height, width], planar);
-        let nodes: Vec<NodeId> = std::iter::once(self.pixels).chain(self.levels.iter().copied()).collect();
+        let nodes: Vec<NodeId> =
+            [self.pixels, self.parts].into_iter().chain(self.levels.iter().copied()).collect();
         self.run_all(vec![(self.picture, picture.view().into())], &nodes)
     }
 

@@ -63,8 +63,8 @@ fn computes_what_pytorch_computes() {
     let labels: Vec<u32> = (0..size)
         .map(|at| (0..2).find(|object| masks[object * size + at] > 0.5).map_or(0, |object| object as u32 + 1))
         .collect();
-    let levels: Vec<_> = outputs[1..].iter().map(run::Planes::level).collect();
-    let rows = rows(&labels, half, 2, &run::halved(&colour, [width, height]), &levels);
+    let levels: Vec<_> = outputs[2..].iter().map(run::Planes::level).collect();
+    let rows = rows(&labels, half, 2, &run::halved(&colour, [width, height]), &outputs[1].level(), &levels);
     assert_near(&rows.concat(), &parity("rows").1, "rows");
 
     let found = network.describe(&rows).unwrap();
@@ -120,10 +120,10 @@ fn damaged_weights_are_refused_with_a_remedy() {
     let mut flipped = whole.clone();
     flipped[2000] ^= 1;
     assert!(refused(flipped, &description()).contains("damaged"));
-    let other = description().replace("l4d/perception/1", "l4d/perception/9");
+    let other = description().replace("l4d/perception/2", "l4d/perception/9");
     assert!(refused(whole.clone(), &other).contains("l4d/perception/9"));
     assert!(refused(whole.clone(), "{}").contains("take both files"));
-    let short = description().replace("\"object\": 53", "\"object\": 50");
+    let short = description().replace("\"object\": 110", "\"object\": 50");
     assert!(refused(whole.clone(), &short).contains("object is 50"));
     // Weights that are whole, and no network: the digest fits, the parts are missing.
     let empty = Vec::new();

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 /// Schema tag of a description.
-const SCHEMA: &str = "l4d/perception/1";
+const SCHEMA: &str = "l4d/perception/2";
 /// Most words of a vocabulary.
 const MOST_WORDS: usize = 4096;
 
@@ -23,6 +23,8 @@ pub struct Description {
     pub(crate) dense: usize,
     /// Channels of the levels, finest first.
     pub(crate) widths: Vec<usize>,
+    /// Parts of an object that are looked at apart.
+    pub(crate) parts: usize,
     /// Numbers that describe an object.
     pub(crate) object: usize,
     /// Unit of offsets, pixels of half resolution.
@@ -79,7 +81,14 @@ impl Description {
     }
 
     fn check(&self) -> Result<(), String> {
-        let described = self.dense + self.widths.iter().sum::<usize>() + crate::pool::COLOUR;
+        let shapes = self.widths.iter().chain([&self.dense, &self.parts]);
+        if shapes.clone().any(|channels| *channels > MOST_WORDS) {
+            return Err(format!("a part has more than {MOST_WORDS} channels"));
+        }
+        let described = self.dense
+            + self.widths.iter().sum::<usize>()
+            + crate::pool::COLOUR
+            + self.parts * (self.dense + 3);
         if described != self.object {
             return Err(format!("object is {}, its parts have {described} numbers", self.object));
         }

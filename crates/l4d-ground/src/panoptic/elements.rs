@@ -1,18 +1,11 @@
 //! What all views of a scene show parts of: the Gaussians of its model.
 
-use glam::DVec3;
 use l4d_data::StageError;
 
 use crate::clip::ViewClip;
 
 /// The Gaussians of a scene, and how views show them.
 pub trait Elements: Sync {
-    /// Where they are at a time from 0 to 1: metres, world.
-    ///
-    /// # Errors
-    /// A model without a state at that time.
-    fn means(&self, time: f32) -> Result<Vec<DVec3>, StageError>;
-
     /// For each of them the sums of its blend weights over the pixels of a picture, times what `pixels` holds there:
     /// `channels` numbers each.
     ///

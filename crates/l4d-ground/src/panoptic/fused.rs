@@ -4,7 +4,7 @@
 //! picture shows is lifted to the Gaussians, which make up one scene over time; the sentence has one answer there, drawn
 //! into each view. A rival of grounding view by view, and reported apart from it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use l4d_data::digest::sha256_hex;
@@ -15,15 +15,21 @@ use l4d_network::{Found, Seen};
 use serde_json::{Value, json};
 
 use super::believe::Scene;
+use super::bodies::{joined, steadied};
 use super::cluster::{Cluster, Segment, Shown, clusters, labelled, largest};
 use super::elements::Elements;
 use super::given::{Given, Part};
+use super::lab::LabTable;
 use super::look::{Things, look_at_all, mean_of, picture_of, presence, scene_of, weight};
 use super::perceive::{Body, Perceived, Track};
+use super::surface::Surface;
 use super::{Panoptic, unusable};
 use crate::clip::ViewClip;
 use crate::grounder::{Grounder, Grounding, Outcome, Question};
 use crate::unreadable::Unreadable;
+
+/// Pixels from which a view tells where something is.
+const LEAST_PX: usize = 6;
 
 /// The panoptic grounder about one scene, whose views it knows together.
 pub struct Fused {
@@ -66,7 +72,6 @@ impl Fused {
             Some(given) => labelled(&shown, &segments, given.instances()),
             None => clusters(&shown, &segments),
         };
-        let things = things(clips, &clusters, &segments, &pictures, elements)?;
         let count = shown.first().map_or(0, |shown| shown.label.len());
         let owners = owners(&clusters, count);
         let mut things_of = vec![Vec::new(); pictures.len()];
@@ -75,6 +80,8 @@ impl Fused {
                 things_of[segments[number].picture].push((segments[number].label, thing as u16 + 1));
             }
         }
+        let tracks = tracks(clips, &things_of, &pictures, clusters.len(), &panoptic.table);
+        let things = things(clips, &clusters, &segments, &pictures, tracks);
         let mut outlined = pictures.iter().zip(&things_of).map(|(picture, things_of)| {
             let drawn = picture.drawn(elements, &owners, clusters.len())?;
             Ok(picture.outlined(drawn, things_of))
@@ -124,7 +131,7 @@ impl Grounder for Fused {
         let clips: Vec<&str> = self.labels.keys().map(String::as_str).collect();
         json!({
             "kind": "panoptic-fused",
-            "version": 2,
+            "version": 7,
             "weights": self.panoptic.network.description().sha256,
             "views": sha256_hex(clips.concat().as_bytes()),
             "given": self.given.as_ref().map(|given| given.parts()),
@@ -254,8 +261,8 @@ fn things(
     clusters: &[Cluster],
     segments: &[Segment],
     pictures: &[Picture<'_>],
-    elements: &dyn Elements,
-) -> Result<Things, StageError> {
+    tracks: Vec<Track>,
+) -> Things {
     let described = |cluster: &Cluster| {
         let segments = cluster.segments.iter().map(|&number| &segments[number]);
         mean_of(
@@ -264,35 +271,53 @@ fn things(
     };
     let (kinds, values) = clusters.iter().map(described).unzip();
     let presence_of = |cluster: &Cluster| {
-        let mut seen: Vec<usize> = cluster.segments.iter().map(|&number| segments[number].picture).collect();
-        seen.dedup();
+        let seen: BTreeSet<usize> = cluster.segments.iter().map(|&number| segments[number].picture).collect();
         presence(seen.len().min(cluster.in_sight), cluster.in_sight)
     };
-    Ok(Things {
+    Things {
         kinds,
         values,
         presence: clusters.iter().map(presence_of).collect(),
-        perceived: Perceived { tracks: tracks(clips, clusters, elements)?, ..scene_of(clips) },
-    })
+        perceived: Perceived { tracks, ..scene_of(clips) },
+    }
 }
 
-/// Where the Gaussians of each thing are in each frame.
+/// Where each thing is in each frame.
 fn tracks(
     clips: &[ViewClip],
-    clusters: &[Cluster],
-    elements: &dyn Elements,
-) -> Result<Vec<Track>, StageError> {
-    let mut tracks: Vec<Track> = clusters.iter().map(|_| Track { bodies: Vec::new() }).collect();
-    let Some(clip) = clips.first() else { return Ok(tracks) };
-    for frame in clip.frame_numbers() {
-        let means = elements.means(clip.timeline.time(frame))?;
-        for (track, cluster) in tracks.iter_mut().zip(clusters) {
-            let points: Vec<_> =
-                cluster.elements.iter().filter_map(|&element| means.get(element as usize).copied()).collect();
-            track.bodies.push(Body::of(&points, true));
+    things_of: &[Vec<(u16, u16)>],
+    pictures: &[Picture<'_>],
+    count: usize,
+    table: &LabTable,
+) -> Vec<Track> {
+    let frames = clips.first().map_or(0, |clip| clip.frames.len());
+    let mut bodies = vec![vec![Vec::new(); frames]; count];
+    let mut rest = pictures.iter().zip(things_of);
+    for clip in clips {
+        for (at, frame) in clip.frames.iter().enumerate() {
+            let Some((picture, things_of)) = rest.next() else { continue };
+            let surface = Surface::new(clip, frame, table);
+            let mut pixels = vec![Vec::new(); count];
+            for (pixel, &label) in picture.seen.labels.iter().enumerate() {
+                if let Some((_, thing)) = things_of.iter().find(|(own, _)| u32::from(*own) == label) {
+                    pixels[usize::from(*thing) - 1].push(pixel as u32);
+                }
+            }
+            for (bodies, pixels) in
+                bodies.iter_mut().zip(&pixels).filter(|(_, pixels)| pixels.len() >= LEAST_PX)
+            {
+                if let Some(bodies) = bodies.get_mut(at) {
+                    bodies.extend(surface.body(pixels));
+                }
+            }
         }
     }
-    Ok(tracks)
+    let seconds: Vec<f64> = clips
+        .first()
+        .map_or(Vec::new(), |clip| clip.frame_numbers().map(|frame| clip.timeline.seconds(frame)).collect());
+    let track =
+        |of_frames: Vec<Vec<Body>>| Track { bodies: of_frames.iter().map(|seen| joined(seen)).collect() };
+    bodies.into_iter().map(|of_frames| steadied(track(of_frames), &seconds)).collect()
 }
 
 /// For each Gaussian the number of its thing, from 1; 0 for none.

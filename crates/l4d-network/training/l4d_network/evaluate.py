@@ -9,7 +9,8 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from .data import LEAST_PX, Scene
+from .batch import LEAST_PX
+from .data import Scene
 from .model import Network, pool
 from .segment import segment
 
@@ -20,7 +21,7 @@ PEOPLE = frozenset({"person", "pedestrian", "woman", "man", "child", "cook", "at
 def evaluate(network: Network, scenes: list[Scene]) -> dict:
     """Shares in percent: `kind` over all pictures of a scene with true masks (people's nouns as one), `kind_picture`
     in one picture, `attributes`, `found_iou` of the best own segment of each object, and tables by noun and key."""
-    words = network.words
+    words, device = network.words, next(network.parameters()).device
     kinds = {kind: number for number, kind in enumerate(words.kinds)}
     values = {pair: number for number, pair in enumerate(words.values)}
     by_key = words.by_key()
@@ -39,13 +40,15 @@ def evaluate(network: Network, scenes: list[Scene]) -> dict:
             if not seen:
                 continue
             with torch.no_grad():
-                features, pixels = network(picture[None])
+                picture = picture[None].to(device)
+                features, pixels, parts = network(picture)
                 masks = torch.stack([(small == n).float() for n in seen])
-                half = F.avg_pool2d(picture[None], 2)[0]
-                rows = pool([level[0] for level in features], half, masks)
+                half = F.avg_pool2d(picture, 2)
+                rows = pool(features, half, parts, masks[None].to(device))[0]
                 known = torch.tensor([kinds.get(scene.things[n].kind, 0) for n in seen])
-                of_kinds, of_values = network.describe(rows, F.one_hot(known, len(words.kinds)).float())
-            found = segment(pixels[0])
+                given = F.one_hot(known, len(words.kinds)).float().to(device)
+                of_kinds, of_values = (logits.cpu() for logits in network.describe(rows, given))
+            found = segment(pixels[0].cpu())
             for n, mask, kind, value in zip(seen, masks, of_kinds.log_softmax(-1), of_values):
                 pixels_seen = float(mask.sum())
                 overlaps.append(_best_iou(mask > 0, found) if pixels_seen >= LEAST_PX else np.nan)

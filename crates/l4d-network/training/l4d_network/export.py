@@ -21,7 +21,7 @@ from torch import Tensor, nn
 from . import segment
 from .model import OFFSET_PX, Encoder, Network, pool
 
-SCHEMA = "l4d/perception/1"
+SCHEMA = "l4d/perception/2"
 LEAST_ROUNDED = 1024
 """Smaller tensors stay in 32 bits."""
 
@@ -34,8 +34,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     options = parser.parse_args()
     state = torch.load(options.checkpoint, weights_only=False, map_location="cpu")
-    network = Network(state["words"], Encoder(pretrained=False))
-    network.load_state_dict(state["network"])
+    size = state["size"]
+    network = Network(state["words"], Encoder(size.encoder, pretrained=False), size)
+    network.load_state_dict(state["averaged"])
     card = json.loads(options.card.read_text(encoding="utf-8")) if options.card else {}
     write(network, options.out, {"iterations": state["iteration"], **card})
 
@@ -58,6 +59,7 @@ def write(network: Network, out: Path, card: dict) -> None:
         "values": [list(pair) for pair in words.values],
         "dense": network.size.dense,
         "widths": list(network.size.widths),
+        "parts": network.size.parts,
         "object": network.size.object,
         "offset_px": OFFSET_PX,
         "peak": segment.PEAK,
@@ -122,8 +124,8 @@ class _Pictures(nn.Module):
         self.network = network
 
     def forward(self, picture: Tensor) -> tuple[Tensor, ...]:
-        features, pixels = self.network(picture)
-        return (pixels, *features)
+        features, pixels, parts = self.network(picture)
+        return (pixels, parts, *features)
 
 
 class _Objects(nn.Module):
@@ -140,7 +142,7 @@ class _Objects(nn.Module):
 def _model(network: Network, rounded: dict[str, tuple[np.ndarray, np.ndarray]]) -> onnx.ModelProto:
     levels = [f"level{i}" for i in range(1 + len(network.size.widths))]
     pictures = _exported(
-        _Pictures(network), torch.zeros(1, 3, 192, 256), "picture", ["pixels", *levels], {2: "height", 3: "width"}
+        _Pictures(network), torch.zeros(1, 3, 192, 256), "picture", ["pixels", "parts", *levels], {2: "height", 3: "width"}
     )
     objects = _exported(_Objects(network), torch.zeros(2, network.size.object), "objects", ["kinds", "values"], {0: "count"})
     graph = onnx.compose.merge_graphs(
@@ -210,8 +212,8 @@ def _parity(network: Network, out: Path) -> None:
     masks[0, 4:15, 6:20] = 1.0
     masks[1, 18:31, 25:44] = 1.0
     with torch.no_grad():
-        features, pixels = network(picture)
-        rows = pool([level[0] for level in features], nn.functional.avg_pool2d(picture, 2)[0], masks)
+        features, pixels, parts = network(picture)
+        rows = pool(features, nn.functional.avg_pool2d(picture, 2), parts, masks[None])[0]
         kinds, values = network.describe(rows)
     numbers = {
         "picture": picture[0],

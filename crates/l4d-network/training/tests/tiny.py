@@ -44,7 +44,7 @@ def main(out: Path) -> None:
         ("", "ball", "cat", "cup", "person", "woman"),
         (("colour", "blue"), ("colour", "red"), ("size", "large"), ("size", "small")),
     )
-    network = Network(words, TinyEncoder(), Size((4, 5, 6, 7, 8), 16, 32))
+    network = Network(words, TinyEncoder(), Size("tiny", (4, 5, 6, 7, 8), 16, 32, 3))
     with torch.no_grad():
         network.pixel.weight *= 6.0
         network.pixel.bias.copy_(torch.tensor([0.3, 0.4, 0.0, 0.0]))

@@ -25,6 +25,8 @@ const BLOW_FRAMES: u32 = 10;
 const LEAST: f64 = 0.05;
 /// Turning, degrees a second.
 const TURN_DPS: f64 = 20.0;
+/// Metres a second squared.
+const GRAVITY: f64 = 9.81;
 /// Leaning, degrees.
 const TILT_DEG: [f64; 2] = [15.0, 5.0];
 /// Change of the sides of a box, shares of its diagonal a second.
@@ -33,8 +35,9 @@ const STIR: f64 = 0.05;
 const SINK: f64 = 0.15;
 /// Of its largest height, what stands has more than this.
 const UPRIGHT: [f64; 2] = [0.85, 0.05];
-/// Speed of what runs, in speeds of what moves.
-const DASH: f64 = 5.0;
+/// Speed at which walking ends, in speeds at which legs leave the ground (a Froude number of 0.5; Alexander 1989),
+/// and how sharply. Legs are half as long as what stands on them is tall.
+const DASH: [f64; 2] = [1.1, 0.12];
 
 /// What somebody does alone looks like this.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -186,6 +189,8 @@ struct Motion<'a> {
     stir: Vec<f64>,
     /// Height as a share of the largest.
     height: Vec<f64>,
+    /// Speed at which its legs would leave the ground, metres a second.
+    gait_mps: f64,
     /// How high its bottom is above where it is lowest, in heights.
     lift: Vec<f64>,
 }
@@ -223,6 +228,7 @@ impl<'a> Motion<'a> {
             tilt_deg: frames().map(|frame| up(frame)[standing].clamp(0.0, 1.0).acos().to_degrees()).collect(),
             stir: rate(&|from, to| (sides(to) - sides(from)).abs().element_sum() / diagonal),
             height: frames().map(|frame| obb(frame).height() / tallest).collect(),
+            gait_mps: (0.5 * GRAVITY * 0.5 * tallest).sqrt(),
             lift: frames().map(|frame| (obb(frame).bottom() - lowest) / tallest).collect(),
         }
     }
@@ -255,7 +261,8 @@ impl<'a> Motion<'a> {
         let at = frame as usize;
         let speed = |at: usize| self.velocity[at].truncate().length();
         let still = 1.0 - self.travels(frame);
-        let (dashes, flies) = (rise(speed(at), DASH * self.least_mps), rise(self.lift[at], 0.5));
+        let dashes = logistic(speed(at) / self.gait_mps - DASH[0], DASH[1]);
+        let flies = rise(self.lift[at], 0.5);
         let upright = logistic(self.height[at] - UPRIGHT[0], UPRIGHT[1]);
         let grows = self.change(|at| self.height[at], frame);
         match look {

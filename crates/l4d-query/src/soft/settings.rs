@@ -29,9 +29,9 @@ pub(super) const ABSENT_SCORE: f64 = 0.05;
 fn floor(category: Option<Category>) -> f64 {
     match category {
         None => 0.0,
-        Some(Category::Attribute) => 0.15,
-        Some(Category::Action | Category::Interaction) => 0.15,
-        Some(Category::Spatial) => 0.15,
+        Some(Category::Attribute) => 0.05,
+        Some(Category::Action | Category::Interaction) => 0.3,
+        Some(Category::Spatial) => 0.05,
     }
 }
 

@@ -5,7 +5,6 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use glam::{DVec3, Vec3};
 use l4d_data::StageError;
 use l4d_ground::ViewClip;
 use l4d_ground::panoptic::Elements;
@@ -59,11 +58,6 @@ impl Canvas<'_> {
 }
 
 impl Elements for Canvas<'_> {
-    fn means(&self, time: f32) -> Result<Vec<DVec3>, StageError> {
-        let splats = self.shapes_at(time).map_err(at_clip)?;
-        Ok(splats.means().iter().map(|mean| Vec3::from_array(*mean).as_dvec3()).collect())
-    }
-
     fn gather(
         &self,
         clip: &ViewClip,
