@@ -5,6 +5,7 @@ use std::os::unix::fs::symlink;
 
 use image::{DynamicImage, ImageFormat};
 use l4d_masks::{Mask, ids, png};
+use serde_json::{Value, json};
 
 use crate::support::{Dir, codes};
 
@@ -58,6 +59,26 @@ fn expect_of_frames(cases: &[(&str, &str, &[&str])]) {
 fn sound_results_have_no_finding() {
     let run = Dir::with_oracle().succeed(CHECK);
     assert!(run.stdout.is_empty() && run.stderr.contains("0 findings"), "{run}");
+}
+
+#[test]
+fn results_begin_with_a_card_that_only_lacks_masks() {
+    let dir = Dir::with_benchmark();
+    let begin = "init-results mine --profile tiny --used-depth --seconds 12.5";
+    let run = dir.succeed(begin);
+    assert_eq!(run.stdout.trim(), "results/mine");
+    let card: Value = serde_json::from_str(&dir.read("results/mine/method.json")).unwrap();
+    assert_eq!(
+        (&card["used"]["depth"], &card["seconds"], &card["width"]),
+        (&json!(true), &json!(12.5), &json!(128))
+    );
+    let found = dir.run("check-results results/mine --profile tiny --json").value();
+    assert!(codes(&found).iter().all(|code| *code == "L4D308"), "{found}");
+    dir.succeed(begin);
+    dir.refuses("init-results mine --profile tiny", &["results/mine/method.json", "--force"]);
+    dir.succeed("init-results mine --profile tiny --force");
+    dir.refuses("init-results ../mine --profile tiny", &["../mine"]);
+    assert!(!dir.path("mine").exists());
 }
 
 #[test]

@@ -282,3 +282,37 @@ fn shards_together_answer_everything_once() {
     let scored = score(&dir, "sharded");
     assert_eq!((&scored["queries"], &scored["partial"]), (&json!(3), &json!(false)));
 }
+
+#[test]
+fn options_of_another_grounder_are_refused() {
+    let dir = Dir::new();
+    let strays = [
+        ("--endpoint none.toml", "model"),
+        ("--base-url http://localhost:1", "model"),
+        ("--model some-model", "model"),
+        ("--api-key-env KEY", "model"),
+        ("--server vllm", "model"),
+        ("--link record:kept", "model"),
+        ("--refresh", "model"),
+        ("--max-cost 1", "model"),
+        ("--max-tokens-total 1", "model"),
+        ("--grounder-file none.toml", "model"),
+        ("--noise none.toml", "oracle"),
+        ("--masks made", "files"),
+        ("--given kinds", "panoptic-fused"),
+    ];
+    for (option, grounder) in strays {
+        for verb in [format!("query {SCENE} 'The ball'"), "solve".to_owned()] {
+            let run = dir.run(format!("{verb} --profile tiny --data data --grounder panoptic {option}"));
+            let flag = option.split(' ').next().unwrap();
+            run.says(
+                2,
+                &[
+                    &format!("{flag} does not apply to the grounder panoptic"),
+                    &format!("--grounder {grounder}"),
+                ],
+            );
+        }
+    }
+    dir.run(format!("{QUERY} --weights made")).says(2, &["--weights does not apply to the grounder oracle"]);
+}

@@ -21,7 +21,7 @@ use serde::de::{DeserializeOwned, IntoDeserializer};
 
 use self::annotation::{CheckQueriesArgs, OpenRoundArgs, StatsArgs, VerdictArgs, VerifyPromptsArgs};
 use self::interop::{ExportArgs, ImportArgs, ImportSceneArgs};
-use self::judging::{BaselineArgs, CheckResultsArgs, LeaderboardArgs, ScoreArgs};
+use self::judging::{BaselineArgs, CheckResultsArgs, InitResultsArgs, LeaderboardArgs, ScoreArgs};
 use self::models::{EndpointCommand, ProposePromptsArgs, ProposeScenesArgs};
 use self::publishing::{HostCommand, ReleaseArgs};
 use self::scenes::{
@@ -105,6 +105,8 @@ pub(crate) enum Command {
     Import(ImportArgs),
     /// Write the results of baselines that bracket the scale
     Baseline(BaselineArgs),
+    /// Begin a folder of results of your own: its method.json, and what is to be filled in
+    InitResults(InitResultsArgs),
     /// List every problem of a results folder
     CheckResults(CheckResultsArgs),
     /// Score a folder of methods: mIoU, mAcc, tube IoU, select

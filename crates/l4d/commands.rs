@@ -15,6 +15,7 @@ mod export;
 mod host;
 mod import;
 mod import_scene;
+mod init_results;
 #[cfg(feature = "board")]
 mod leaderboard;
 mod open_round;
@@ -74,6 +75,7 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::ImportScene(args) => import_scene::run(args, out),
         Command::Import(args) => import::run(args, out),
         Command::Baseline(args) => baseline::run(args, out),
+        Command::InitResults(args) => init_results::run(args, out),
         Command::CheckResults(args) => check_results::run(args, out),
         Command::Score(args) => score::run(args, out),
         #[cfg(feature = "board")]

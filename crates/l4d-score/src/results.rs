@@ -124,7 +124,7 @@ fn mismatches(card: &MethodCard, exam: &Exam, resize: bool) -> Vec<(&'static str
         "make the results again with this benchmark, or pass the benchmark that they were made for (--bench)";
     let digest = |text: &str| match text {
         "" => "no truth".to_owned(),
-        text => format!("{}...", printable(&text.chars().take(12).collect::<String>())),
+        text => printable(text),
     };
     // Digest, size and frames follow from the profile and would only repeat it.
     let of_profile = card.profile == profile;
@@ -151,7 +151,7 @@ fn mismatches(card: &MethodCard, exam: &Exam, resize: bool) -> Vec<(&'static str
             "truth_digest",
             !of_profile || card.truth_digest == exam.truth_digest,
             format!("is {}, but the truth is {}", digest(&card.truth_digest), digest(&exam.truth_digest)),
-            again.to_owned(),
+            format!("{again}; `l4d init-results` writes a method.json for it"),
         ),
         (
             "width",

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use l4d_data::Profile;
 use l4d_score::results::{MEGABYTE, MOST_BYTES, PROTOCOL};
 use l4d_score::{Baseline, Missing, Protocol, QuerySet};
 
@@ -28,6 +29,42 @@ pub(crate) struct BaselineArgs {
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
     /// Replace results of the same name that differ
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct InitResultsArgs {
+    /// Name of the method, and of its folder
+    pub(crate) name: String,
+    /// Folder of the benchmark
+    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    pub(crate) bench: PathBuf,
+    /// tiny, small or full; real for captures
+    #[arg(long, default_value = "small")]
+    pub(crate) profile: Profile,
+    /// Folder that receives one folder a method
+    #[arg(long, value_name = "DIR", default_value = "results")]
+    pub(crate) results: PathBuf,
+    /// Version of the method
+    #[arg(long, value_name = "VERSION", default_value = "1")]
+    pub(crate) method_version: String,
+    /// Paper or code
+    #[arg(long, value_name = "URL", default_value = "")]
+    pub(crate) link: String,
+    /// The method learned from rendered depth of the training views: ranked in the track colour + depth
+    #[arg(long)]
+    pub(crate) used_depth: bool,
+    /// The method looked at the truth: shown, never ranked
+    #[arg(long)]
+    pub(crate) used_truth: bool,
+    /// The method looked at pictures of the held-out view: shown, never ranked
+    #[arg(long)]
+    pub(crate) used_test_view: bool,
+    /// Wall seconds that the method took for all queries
+    #[arg(long, value_name = "SECONDS", value_parser = number::<f64>(0.0..))]
+    pub(crate) seconds: Option<f64>,
+    /// Replace a method.json that says something else
     #[arg(long)]
     pub(crate) force: bool,
 }

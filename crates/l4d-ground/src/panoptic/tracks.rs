@@ -39,9 +39,12 @@ pub(super) fn tracks_of(seen: &Perceived) -> Option<Tracks> {
         })
     });
     let instances = instances.collect();
+    // What no view places anywhere is no instance.
+    let placed: Vec<_> =
+        seen.tracks.iter().enumerate().filter(|(_, track)| track.nearest(0).is_some()).collect();
     let mut pairs = Vec::new();
-    for (first, a) in seen.tracks.iter().enumerate() {
-        for (second, b) in seen.tracks.iter().enumerate().skip(first + 1) {
+    for (at, &(first, a)) in placed.iter().enumerate() {
+        for &(second, b) in &placed[at + 1..] {
             pairs.push(Pair {
                 a: name_of(first)?,
                 b: name_of(second)?,
@@ -162,4 +165,31 @@ fn distances(a: &Track, b: &Track, places: &[Place], spacing_m: f64) -> Vec<f64>
     let at_frames: Vec<f64> = (0..a.bodies.len()).map(distance).collect();
     let at = |index: usize| at_frames.get(index).copied().unwrap_or(f64::MAX);
     places.iter().map(|place| place.between(at(place.before), at(place.after))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_no_view_places_is_neither_an_instance_nor_of_a_pair() {
+        let cube = |x: f64| {
+            let corners =
+                (0..8).map(|n| DVec3::new(x + f64::from(n & 1), f64::from(n >> 1 & 1), f64::from(n >> 2)));
+            Track { bodies: vec![Body::of(&corners.collect::<Vec<_>>(), true); 2] }
+        };
+        let seen = Perceived {
+            frames: vec![0, 96],
+            timeline: Timeline::CANONICAL,
+            tracks: vec![cube(0.0), Track { bodies: vec![None, None] }, cube(4.0)],
+            scale: l4d_data::Scale::Room,
+            spacing_m: 0.01,
+            eye: DVec3::NEG_Y * 5.0,
+        };
+        let tracks = tracks_of(&seen).unwrap();
+        let names: Vec<&str> = tracks.instances.iter().map(|one| one.name.as_str()).collect();
+        assert_eq!(names, ["t0", "t2"]);
+        assert_eq!(tracks.pairs.len(), 1);
+        assert_eq!((tracks.pairs[0].a.as_str(), tracks.pairs[0].b.as_str()), ("t0", "t2"));
+    }
 }

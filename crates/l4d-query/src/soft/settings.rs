@@ -25,7 +25,8 @@ pub(super) const WIDER_SHARE: f64 = 0.5;
 /// How much speaks for nothing being meant, as a score.
 pub(super) const ABSENT_SCORE: f64 = 0.05;
 
-/// How much is left of a thing of which a clause does not hold: what is perceived may be wrong.
+/// How much is left of a thing of which a clause does not hold: what is perceived may be wrong, and what happens more
+/// often than what something looks like. Chosen on dev (docs/constants.md).
 fn floor(category: Option<Category>) -> f64 {
     match category {
         None => 0.0,

@@ -93,7 +93,7 @@ fn what_is_known_for_sure_decides() {
     assert_eq!(first(&belief, CLAUSES[5]), "b");
     assert_eq!(first(&belief, CLAUSES[10]), "c");
     let lifted = rank(&belief, &cup(CLAUSES[3]), Temporal::Whole);
-    assert!(lifted[0].confidence > 0.7, "{lifted:?}");
+    assert!(lifted[0].confidence > 0.6, "{lifted:?}");
     let nobody = r#"{"undergoes":{"verb":"push","by":{"category":"hand"}}}"#;
     let absent = rank(&belief, &cup(nobody), Temporal::Whole);
     assert!(absent.len() == 3 && absent[0].confidence < 0.35, "{absent:?}");

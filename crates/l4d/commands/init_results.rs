@@ -1,0 +1,53 @@
+//! `l4d init-results`: the folder of a method, before it has answers.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use l4d_data::layout::ResultsDir;
+use l4d_data::results::{MethodCard, Used};
+use l4d_data::store::{holds, write_atomic};
+use l4d_data::{Benchmark, Name};
+
+use crate::cli::judging::InitResultsArgs;
+use crate::out::{ExitStatus, Printer};
+
+pub(crate) fn run(args: &InitResultsArgs, out: &Printer) -> Result<ExitStatus> {
+    let name = Name::new(&args.name)?;
+    let bench = Benchmark::open(&args.bench)?;
+    let profile = args.profile;
+    let truth_digest = bench.truth_digest(profile)?;
+    let version = &bench.manifest.version;
+    let card = MethodCard {
+        link: args.link.clone(),
+        used: Used {
+            ground_truth: args.used_truth,
+            test_view: args.used_test_view,
+            depth: args.used_depth,
+            ..Used::default()
+        },
+        seconds: args.seconds,
+        ..MethodCard::new(name, &args.method_version, version, truth_digest, profile)
+    };
+    let dir = ResultsDir::new(args.results.join(&args.name));
+    let mut bytes = serde_json::to_vec_pretty(&card)?;
+    bytes.push(b'\n');
+    let remedy = "pass --force to replace it, or choose another name";
+    if !holds(&dir.card(), &bytes, args.force, remedy)? {
+        write_atomic(&dir.card(), &bytes)?;
+    }
+    fs::create_dir_all(dir.masks()).with_context(|| format!("cannot make {}", dir.masks().display()))?;
+    out.data(dir.root().display())?;
+    out.note(format!(
+        "write {}/<scene>/<number>.json, or a folder of PNG pictures of that name, for each line of {}/<scene>.jsonl (docs/formats.md)",
+        dir.masks().display(),
+        args.bench.join("queries").display()
+    ));
+    let bench = if args.bench == Path::new("benchmark") {
+        String::new()
+    } else {
+        format!(" --bench {}", args.bench.display())
+    };
+    out.note(format!("then run `l4d check-results {} --profile {profile}{bench}`", dir.root().display()));
+    Ok(ExitStatus::Success)
+}
