@@ -285,7 +285,7 @@ fn shards_together_answer_everything_once() {
 
 #[test]
 fn options_of_another_grounder_are_refused() {
-    let dir = Dir::new();
+    let dir = Dir::with_benchmark();
     let strays = [
         ("--endpoint none.toml", "model"),
         ("--base-url http://localhost:1", "model"),
