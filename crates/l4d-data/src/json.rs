@@ -101,9 +101,17 @@ fn parse_tracked<T: DeserializeOwned>(
 /// # Errors
 /// What the disk refuses.
 pub fn write<T: Serialize>(path: &Path, value: &T) -> Result<(), DataError> {
+    write_atomic(path, &indented(path, value)?)
+}
+
+/// The bytes of a document as indented JSON with a final newline; `path` is where it is to go.
+///
+/// # Errors
+/// What cannot be JSON.
+pub fn indented<T: Serialize>(path: &Path, value: &T) -> Result<Vec<u8>, DataError> {
     let mut text = serde_json::to_string_pretty(value).map_err(|error| unwritable(path, &error))?;
     text.push('\n');
-    write_atomic(path, text.as_bytes())
+    Ok(text.into_bytes())
 }
 
 /// Writes a document on one line with a final newline (large machine-written data).

@@ -90,6 +90,18 @@ pub fn holds(path: &Path, bytes: &[u8], force: bool, remedy: &str) -> Result<boo
     Ok(is_same)
 }
 
+/// Writes a file unless it is there with just these bytes; whether it was written.
+///
+/// # Errors
+/// As [`holds`] and [`write_atomic`].
+pub fn write_unless_held(path: &Path, bytes: &[u8], force: bool, remedy: &str) -> Result<bool, DataError> {
+    let is_new = !holds(path, bytes, force, remedy)?;
+    if is_new {
+        write_atomic(path, bytes)?;
+    }
+    Ok(is_new)
+}
+
 /// Makes a folder and its parents.
 ///
 /// # Errors

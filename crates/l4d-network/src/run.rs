@@ -121,10 +121,8 @@ impl Network {
         let centres = pixels.centres(&self.description);
         let labels = pixels.labels(&centres, self.description.offset_px, [picture.width, picture.height]);
         let small = pixels.labels(&centres, self.description.offset_px, half);
-        let small_colour = halved(&colour, size);
-        let levels: Vec<Level<'_>> = outputs[2..].iter().map(Planes::level).collect();
-        let rows = rows(&small, half, centres.len(), &small_colour, &outputs[1].level(), &levels);
-        Ok(Seen { labels, found: self.describe(&rows)? })
+        let found = self.describe(&rows_of(&outputs, &small, centres.len(), &colour, size))?;
+        Ok(Seen { labels, found })
     }
 
     /// Says what things are of which the pixels are known: `labels` has the number of the thing at each pixel, from 1 to
@@ -148,8 +146,7 @@ impl Network {
             labels.get(row * picture.width + column).copied().unwrap_or(0)
         };
         let small: Vec<u32> = (0..half[0] * half[1]).map(nearest).collect();
-        let levels: Vec<Level<'_>> = outputs[2..].iter().map(Planes::level).collect();
-        self.describe(&rows(&small, half, count, &halved(&colour, size), &outputs[1].level(), &levels))
+        self.describe(&rows_of(&outputs, &small, count, &colour, size))
     }
 
     /// Kinds and values of objects by their rows.
@@ -214,6 +211,18 @@ impl Network {
         };
         outputs.into_iter().map(planes).collect()
     }
+}
+
+/// Rows for objects by what [`Network::features`] gave of a picture of this size and colour; labels are of half of it.
+pub(crate) fn rows_of(
+    outputs: &[Planes],
+    labels: &[u32],
+    count: usize,
+    colour: &[f32],
+    size: [usize; 2],
+) -> Vec<Vec<f32>> {
+    let levels: Vec<Level<'_>> = outputs[2..].iter().map(Planes::level).collect();
+    rows(labels, [size[0] / 2, size[1] / 2], count, &halved(colour, size), &outputs[1].level(), &levels)
 }
 
 /// An output of the network.

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use l4d_formats::arrays;
 
 use super::*;
-use crate::pool::rows;
 use crate::segment::Pixels;
 
 fn data(name: &str) -> PathBuf {
@@ -63,8 +62,7 @@ fn computes_what_pytorch_computes() {
     let labels: Vec<u32> = (0..size)
         .map(|at| (0..2).find(|object| masks[object * size + at] > 0.5).map_or(0, |object| object as u32 + 1))
         .collect();
-    let levels: Vec<_> = outputs[2..].iter().map(run::Planes::level).collect();
-    let rows = rows(&labels, half, 2, &run::halved(&colour, [width, height]), &outputs[1].level(), &levels);
+    let rows = run::rows_of(&outputs, &labels, 2, &colour, [width, height]);
     assert_near(&rows.concat(), &parity("rows").1, "rows");
 
     let found = network.describe(&rows).unwrap();

@@ -8,7 +8,7 @@ use l4d_data::digest::sha256;
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::{MaskFile, MethodCard, Used};
 use l4d_data::scene::Role;
-use l4d_data::store::{holds, write_atomic};
+use l4d_data::store::{holds, write_unless_held};
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, Query, Temporal};
 use l4d_masks::Mask;
@@ -174,17 +174,14 @@ fn line(text: serde_json::Result<String>) -> Vec<u8> {
     (text.expect("strings and numbers serialise") + "\n").into_bytes()
 }
 
+const REMEDY: &str =
+    "it may be of another seed, profile or version: pass --force to replace it, or another --results";
+
 /// Whether the file is there with these bytes; other bytes are an error unless they may be replaced.
 fn is_current(path: &Path, bytes: &[u8], force: bool) -> Result<bool, DataError> {
-    let remedy =
-        "it may be of another seed, profile or version: pass --force to replace it, or another --results";
-    holds(path, bytes, force, remedy)
+    holds(path, bytes, force, REMEDY)
 }
 
 fn write_unless_current(path: &Path, bytes: &[u8], force: bool) -> Result<bool, DataError> {
-    let is_new = !is_current(path, bytes, force)?;
-    if is_new {
-        write_atomic(path, bytes)?;
-    }
-    Ok(is_new)
+    write_unless_held(path, bytes, force, REMEDY)
 }

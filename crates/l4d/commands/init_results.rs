@@ -1,12 +1,12 @@
 //! `l4d init-results`: the folder of a method, before it has answers.
 
-use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
+use l4d_data::json::indented;
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::{MethodCard, Used};
-use l4d_data::store::{holds, write_atomic};
+use l4d_data::store::{make_folder, write_unless_held};
 use l4d_data::{Benchmark, Name};
 
 use crate::cli::judging::InitResultsArgs;
@@ -30,13 +30,9 @@ pub(crate) fn run(args: &InitResultsArgs, out: &Printer) -> Result<ExitStatus> {
         ..MethodCard::new(name, &args.method_version, version, truth_digest, profile)
     };
     let dir = ResultsDir::new(args.results.join(&args.name));
-    let mut bytes = serde_json::to_vec_pretty(&card)?;
-    bytes.push(b'\n');
-    let remedy = "pass --force to replace it, or choose another name";
-    if !holds(&dir.card(), &bytes, args.force, remedy)? {
-        write_atomic(&dir.card(), &bytes)?;
-    }
-    fs::create_dir_all(dir.masks()).with_context(|| format!("cannot make {}", dir.masks().display()))?;
+    let bytes = indented(&dir.card(), &card)?;
+    write_unless_held(&dir.card(), &bytes, args.force, "pass --force to replace it, or choose another name")?;
+    make_folder(&dir.masks())?;
     out.data(dir.root().display())?;
     out.note(format!(
         "write {}/<scene>/<number>.json, or a folder of PNG pictures of that name, for each line of {}/<scene>.jsonl (docs/formats.md)",

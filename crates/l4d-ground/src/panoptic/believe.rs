@@ -48,8 +48,7 @@ impl Scene {
                 presence: seen.presence[number],
             })
         };
-        let is_somewhere = |number: &usize| seen.perceived.tracks[*number].nearest(0).is_some();
-        let things = (0..seen.perceived.tracks.len()).filter(is_somewhere).filter_map(thing).collect();
+        let things = seen.perceived.placed().filter_map(|(number, _)| thing(number)).collect();
         let noise = Noise::perceived(seen.perceived.scale);
         Some(Self { tracks: tracks_of(&seen.perceived)?, things, noise, events: None })
     }

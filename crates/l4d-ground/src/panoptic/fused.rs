@@ -19,7 +19,6 @@ use super::bodies::{joined, steadied};
 use super::cluster::{Cluster, Segment, Shown, clusters, labelled, largest};
 use super::elements::Elements;
 use super::given::{Given, Part};
-use super::lab::LabTable;
 use super::look::{Things, look_at_all, mean_of, picture_of, presence, scene_of, weight};
 use super::perceive::{Body, Perceived, Track};
 use super::surface::Surface;
@@ -80,7 +79,7 @@ impl Fused {
                 things_of[segments[number].picture].push((segments[number].label, thing as u16 + 1));
             }
         }
-        let tracks = tracks(clips, &things_of, &pictures, clusters.len(), &panoptic.table);
+        let tracks = tracks(clips, &things_of, &pictures, clusters.len());
         let things = things(clips, &clusters, &segments, &pictures, tracks);
         let mut outlined = pictures.iter().zip(&things_of).map(|(picture, things_of)| {
             let drawn = picture.drawn(elements, &owners, clusters.len())?;
@@ -288,7 +287,6 @@ fn tracks(
     things_of: &[Vec<(u16, u16)>],
     pictures: &[Picture<'_>],
     count: usize,
-    table: &LabTable,
 ) -> Vec<Track> {
     let frames = clips.first().map_or(0, |clip| clip.frames.len());
     let mut bodies = vec![vec![Vec::new(); frames]; count];
@@ -296,7 +294,7 @@ fn tracks(
     for clip in clips {
         for (at, frame) in clip.frames.iter().enumerate() {
             let Some((picture, things_of)) = rest.next() else { continue };
-            let surface = Surface::new(clip, frame, table);
+            let surface = Surface::new(clip, frame);
             let mut pixels = vec![Vec::new(); count];
             for (pixel, &label) in picture.seen.labels.iter().enumerate() {
                 if let Some((_, thing)) = things_of.iter().find(|(own, _)| u32::from(*own) == label) {

@@ -72,8 +72,8 @@ impl Looked {
 pub(super) fn look(clip: &ViewClip, network: &Network, table: &LabTable) -> Result<Looked, WeightsError> {
     let seen = look_at_all(clip, network)?;
     let frames: Vec<u32> = clip.frame_numbers().collect();
-    let surfaces: Vec<Surface> = clip.frames.iter().map(|frame| Surface::new(clip, frame, table)).collect();
-    let glimpses = seen.iter().zip(&surfaces).map(|(seen, surface)| glimpses_of(seen, surface));
+    let surfaces = clip.frames.iter().map(|frame| Surface::new(clip, frame));
+    let glimpses = seen.iter().zip(surfaces).map(|(seen, surface)| glimpses_of(seen, &surface, table));
     let seconds: Vec<f64> = frames.iter().map(|&frame| clip.timeline.seconds(frame)).collect();
     let chains: Vec<Chain> = link(glimpses.collect(), &seconds).into_iter().filter(lasts).collect();
     let bodies = |chain: &Chain| chain.iter().map(|seen| Some(seen.as_ref()?.body.clone())).collect();
@@ -122,7 +122,7 @@ pub(super) fn picture_of(frame: &ClipFrame) -> Picture {
 }
 
 /// The things of a frame that have depth; what has none is nowhere.
-fn glimpses_of(seen: &Seen, surface: &Surface) -> Vec<Glimpse> {
+fn glimpses_of(seen: &Seen, surface: &Surface<'_>, table: &LabTable) -> Vec<Glimpse> {
     let least = ((seen.labels.len() as f64 * LEAST_SHARE) as usize).max(4);
     let mut members: Vec<Vec<u32>> = vec![Vec::new(); seen.found.len()];
     for (index, label) in seen.labels.iter().enumerate() {
@@ -134,7 +134,7 @@ fn glimpses_of(seen: &Seen, surface: &Surface) -> Vec<Glimpse> {
         .iter()
         .enumerate()
         .filter(|(_, members)| members.len() >= least)
-        .filter_map(|(number, members)| surface.glimpse(number, members))
+        .filter_map(|(number, members)| surface.glimpse(number, members, table))
         .collect()
 }
 

@@ -22,6 +22,13 @@ pub(super) struct Perceived {
     pub(super) eye: DVec3,
 }
 
+impl Perceived {
+    /// The tracks of what is placed anywhere, with their numbers.
+    pub(super) fn placed(&self) -> impl Iterator<Item = (usize, &Track)> + Clone {
+        self.tracks.iter().enumerate().filter(|(_, track)| track.bodies.iter().any(Option::is_some))
+    }
+}
+
 /// A thing over time: where it is in each frame of the clip; none where it isn't seen.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Track {

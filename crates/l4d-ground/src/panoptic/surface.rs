@@ -18,20 +18,19 @@ const SCALE_DEPTH_M: [f64; 2] = [1.7, 5.0];
 
 /// A frame in space.
 #[derive(Debug, Clone)]
-pub(super) struct Surface {
+pub(super) struct Surface<'c> {
+    frame: &'c ClipFrame,
     pub(super) width: usize,
     pub(super) height: usize,
     /// Planar depth, metres; infinite where nothing is known.
     pub(super) depth_m: Vec<f32>,
     /// Points, metres, world; zero where nothing is known.
     pub(super) points: Vec<Vec3>,
-    /// L*a*b*.
-    pub(super) colours: Vec<[f32; 3]>,
     focal_px: f64,
 }
 
-impl Surface {
-    pub(super) fn new(clip: &ViewClip, seen: &ClipFrame, table: &LabTable) -> Self {
+impl<'c> Surface<'c> {
+    pub(super) fn new(clip: &ViewClip, seen: &'c ClipFrame) -> Self {
         let (width, height) = (clip.width as usize, clip.height as usize);
         let pixels = width * height;
         let is_filled =
@@ -42,12 +41,7 @@ impl Surface {
         };
         let depth_m: Vec<f32> = (0..pixels).map(depth).collect();
         let points = points_of(clip, seen.frame, &depth_m);
-        let colour = |index: usize| {
-            let (column, row) = ((index % width) as u32, (index / width) as u32);
-            seen.colour.get_pixel_checked(column, row).map_or([0; 3], |pixel| pixel.0)
-        };
-        let colours = (0..pixels).map(|index| table.at(colour(index))).collect();
-        Self { width, height, depth_m, points, colours, focal_px: clip.camera.fx.max(1e-9) }
+        Self { frame: seen, width, height, depth_m, points, focal_px: clip.camera.fx.max(1e-9) }
     }
 
     pub(super) fn is_known(&self, index: usize) -> bool {
@@ -55,7 +49,7 @@ impl Surface {
     }
 
     /// What a set of pixels shows; nothing of none.
-    pub(super) fn glimpse(&self, number: usize, members: &[u32]) -> Option<Glimpse> {
+    pub(super) fn glimpse(&self, number: usize, members: &[u32], table: &LabTable) -> Option<Glimpse> {
         let (width, height) = (self.width as u32, self.height as u32);
         let mut mask = Mask::empty(width, height);
         let mut bounds = PixelBox { first_col: u32::MAX, first_row: u32::MAX, last_col: 0, last_row: 0 };
@@ -67,7 +61,8 @@ impl Surface {
             bounds.last_col = bounds.last_col.max(column);
             bounds.first_row = bounds.first_row.min(row);
             bounds.last_row = bounds.last_row.max(row);
-            let [l, a, b] = self.colours[index as usize];
+            let shown = self.frame.colour.get_pixel_checked(column, row).map_or([0; 3], |pixel| pixel.0);
+            let [l, a, b] = table.at(shown);
             colour = [colour[0] + l, colour[1] + a, colour[2] + b];
         }
         Some(Glimpse {

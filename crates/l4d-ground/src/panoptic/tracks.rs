@@ -26,8 +26,7 @@ pub(super) fn name_of(track: usize) -> Option<Name> {
 /// "in front of the tree" is between tree and camera.
 pub(super) fn tracks_of(seen: &Perceived) -> Option<Tracks> {
     let places = Place::of_all(seen);
-    let moves: Vec<Kinematics> = seen.tracks.iter().map(|track| Kinematics::new(track, seen)).collect();
-    let instances = seen.tracks.iter().zip(&moves).enumerate().filter_map(|(number, (track, moves))| {
+    let instances = seen.placed().filter_map(|(number, track)| {
         Some(TrackedInstance {
             id: number as u32 + 1,
             name: name_of(number)?,
@@ -35,16 +34,13 @@ pub(super) fn tracks_of(seen: &Perceived) -> Option<Tracks> {
             category: "thing".to_owned(),
             attributes: Default::default(),
             front: Some("-y".to_owned()),
-            track: boxes(track, moves, &places, seen.eye)?,
+            track: boxes(track, &Kinematics::new(track, seen), &places, seen.eye)?,
         })
     });
     let instances = instances.collect();
-    // What no view places anywhere is no instance.
-    let placed: Vec<_> =
-        seen.tracks.iter().enumerate().filter(|(_, track)| track.nearest(0).is_some()).collect();
     let mut pairs = Vec::new();
-    for (at, &(first, a)) in placed.iter().enumerate() {
-        for &(second, b) in &placed[at + 1..] {
+    for (first, a) in seen.placed() {
+        for (second, b) in seen.placed().filter(|(second, _)| *second > first) {
             pairs.push(Pair {
                 a: name_of(first)?,
                 b: name_of(second)?,

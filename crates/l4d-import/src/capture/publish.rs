@@ -10,7 +10,7 @@ use l4d_data::benchmark::{Manifest, SetSplit};
 use l4d_data::capture::{Capture, MASKS, MaskSet, MaskedInstance};
 use l4d_data::layout::BenchDir;
 use l4d_data::scene::{OBJECT_IDS, Role};
-use l4d_data::store::{holds, write_atomic};
+use l4d_data::store::{write_atomic, write_unless_held};
 use l4d_data::truth::{InstanceTruth, SCHEMA, Truth, frame_key};
 use l4d_data::{Benchmark, Camera, DataError, Name, Profile, Scale, json};
 use l4d_masks::Rle;
@@ -49,9 +49,7 @@ pub fn publish(
     let manifest = manifest(&dir, &capture.name)?;
     let path = dir.truth(Profile::Real, &capture.name);
     let remedy = "give another --bench or --name, or replace it with --force";
-    if !holds(&path, &json::compact(&path, &truth)?, force, remedy)? {
-        json::write_compact(&path, &truth)?;
-    }
+    write_unless_held(&path, &json::compact(&path, &truth)?, force, remedy)?;
     let queries = dir.queries(&capture.name);
     if !queries.exists() {
         write_atomic(&queries, b"")?;

@@ -89,13 +89,9 @@ class Pictures:
         picture = F.grid_sample(colour, grid, "bilinear", "border", align_corners=False)
         ids = F.grid_sample(self._ids[which][:, None].float(), grid[:, ::2, ::2], "nearest", "border", align_corners=False)
         picture = _in_other_light(_blurred(picture, rng), rng)
-        deviation = self._drawn(rng.uniform(0.0, 0.03, size))
         shaken = torch.randn(picture.shape, generator=noise, device=self._device)
-        picture = (picture + shaken * deviation).clamp(0.0, 1.0)
+        picture = (picture + shaken * _drawn(rng, picture, 0.0, 0.03)).clamp(0.0, 1.0)
         return self._targets(picture, ids[:, 0].long(), self._of_scene[which], rng)
-
-    def _drawn(self, numbers: np.ndarray) -> Tensor:
-        return torch.from_numpy(numbers.astype(np.float32)).to(self._device)[:, None, None, None]
 
     def _targets(self, picture: Tensor, ids: Tensor, scene: Tensor, rng: np.random.Generator) -> Batch:
         size, height, width = ids.shape
@@ -160,13 +156,16 @@ def _blurred(picture: Tensor, rng: np.random.Generator) -> Tensor:
 
 
 def _in_other_light(picture: Tensor, rng: np.random.Generator) -> Tensor:
-    def drawn(low: float, high: float, channels: int = 1) -> Tensor:
-        numbers = rng.uniform(low, high, (len(picture), channels, 1, 1)).astype(np.float32)
-        return torch.from_numpy(numbers).to(picture.device)
-
-    picture = picture * drawn(0.75, 1.25) * drawn(0.95, 1.05, 3) + drawn(-0.06, 0.06)
+    gain, tint = _drawn(rng, picture, 0.75, 1.25), _drawn(rng, picture, 0.95, 1.05, 3)
+    picture = picture * gain * tint + _drawn(rng, picture, -0.06, 0.06)
     grey = picture.mean(1, keepdim=True)
-    return grey + (picture - grey) * drawn(0.8, 1.2)
+    return grey + (picture - grey) * _drawn(rng, picture, 0.8, 1.2)
+
+
+def _drawn(rng: np.random.Generator, picture: Tensor, low: float, high: float, channels: int = 1) -> Tensor:
+    """A number for each picture, or for each of its channels."""
+    numbers = rng.uniform(low, high, (len(picture), channels, 1, 1)).astype(np.float32)
+    return torch.from_numpy(numbers).to(picture.device)
 
 
 def _shaken(masks: Tensor, rng: np.random.Generator) -> Tensor:

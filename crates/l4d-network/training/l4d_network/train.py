@@ -63,10 +63,8 @@ def main() -> None:
     (options.out / "run.json").write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
     learner = _Learner(network, words, pictures.pixels_of_kinds(len(words.kinds)))
     started, sums = time.monotonic(), torch.zeros(5, device=device)
-    last, iteration = options.iterations, first
-    while iteration < last:
-        iteration += 1
-        share = _share(iteration, last, started, options.seconds)
+    for iteration in range(first + 1, options.iterations + 1):
+        share = _share(iteration, options.iterations, started, options.seconds)
         for group in optimiser.param_groups:
             factor = min(1.0, iteration / WARM) * (0.5 * (1 + math.cos(math.pi * share)) * 0.99 + 0.01)
             group["lr"] = group["initial_lr"] * factor
@@ -80,7 +78,7 @@ def main() -> None:
         optimiser.step()
         _average(averaged, network, iteration)
         sums += torch.stack(losses).detach()
-        ends = iteration == last or share >= 1.0
+        ends = share >= 1.0
         if iteration % options.report == 0:
             _report(options.out, iteration, (sums / options.report).tolist(), started, iteration - first)
             sums.zero_()
@@ -93,7 +91,7 @@ def main() -> None:
 
 
 def _share(iteration: int, last: int, started: float, seconds: float | None) -> float:
-    """How much of the schedule is over: iterations, or seconds where a machine is lent for a while."""
+    """How much of the schedule is over: iterations, or seconds if those end first."""
     share = iteration / last
     return share if seconds is None else min(1.0, max(share, (time.monotonic() - started) / seconds))
 

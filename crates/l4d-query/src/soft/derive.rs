@@ -36,7 +36,7 @@ const SINK: f64 = 0.15;
 /// Of its largest height, what stands has more than this.
 const UPRIGHT: [f64; 2] = [0.85, 0.05];
 /// Speed at which walking ends, in speeds at which legs leave the ground (a Froude number of 0.5; Alexander 1989),
-/// and how sharply. Legs are half as long as what stands on them is tall.
+/// and how sharply. Legs are taken to be half of the height.
 const DASH: [f64; 2] = [1.1, 0.12];
 
 /// What somebody does alone looks like this.

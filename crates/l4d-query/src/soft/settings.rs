@@ -1,4 +1,5 @@
-//! Every number of the soft reading: set by reasoning, not yet tuned. Only scenes of `benchmark/dev` may tune them.
+//! Every number of the soft reading: set by reasoning, but for what clauses leave of a thing, which was chosen on
+//! `benchmark/dev`. No other scenes may tune them.
 
 use l4d_data::{Category, Scale};
 
