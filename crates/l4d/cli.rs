@@ -28,7 +28,7 @@ use self::scenes::{
     ArrangeArgs, BuildScenesArgs, CheckScenesArgs, ComposeArgs, DoctorArgs, PythonArgs, SheetArgs,
 };
 use self::solver::{AblateArgs, QueryArgs, SolveArgs};
-use self::splats::{BenchCommand, RenderSplatsArgs, TrainSplatsArgs, ViewArgs};
+use self::splats::{BenchCommand, RenderSplatsArgs, ServeArgs, TrainSplatsArgs, ViewArgs};
 
 /// Benchmark and dataset toolkit for 4D language grounding.
 #[derive(Debug, Parser)]
@@ -89,6 +89,8 @@ pub(crate) enum Command {
     RenderSplats(RenderSplatsArgs),
     /// Write one page that shows a scene over time: Gaussians, cameras, boxes, events, sentences with masks
     View(ViewArgs),
+    /// Show a scene in a browser and answer the sentences that are asked there
+    Serve(ServeArgs),
     /// Answer queries with PanopticQuery: clips, grounding, consensus, lifting, masks of the held-out view
     Solve(SolveArgs),
     /// Ask one sentence about one scene: what each stage decides, masks, pictures

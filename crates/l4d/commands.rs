@@ -26,6 +26,7 @@ mod quickstart;
 mod release;
 mod render_splats;
 mod score;
+mod serve;
 mod sheet;
 mod solve;
 mod stats;
@@ -68,6 +69,7 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::TrainSplats(args) => train_splats::run(args, out),
         Command::RenderSplats(args) => render_splats::run(args, out),
         Command::View(args) => view::run(args, out),
+        Command::Serve(args) => serve::run(args, out),
         Command::Query(args) => query::run(args, out),
         Command::Solve(args) => solve::run(args, out),
         Command::Ablate(args) => ablate::run(args, out),

@@ -5,6 +5,7 @@
 //! sentence has one answer is proved by `l4d-query`.
 
 mod canonical;
+mod examples;
 mod inflect;
 mod lexicon;
 mod read;
@@ -18,6 +19,7 @@ use std::collections::BTreeSet;
 use l4d_data::tracks::Tracks;
 
 pub use canonical::canonical;
+pub use examples::examples;
 pub use read::{Unread, read};
 pub use say::{LONGEST, SHORTEST, forms, vocabulary};
 pub use understand::{Reading, understand};

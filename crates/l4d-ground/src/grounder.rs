@@ -155,12 +155,34 @@ pub struct Grounding {
     pub masks: BTreeMap<u32, Mask>,
     /// How it came about, for people to read; a sentence each.
     pub notes: Vec<String>,
+    /// How sure the grounder is; none if it does not say.
+    pub choice: Option<Choice>,
+}
+
+/// What was taken, and what nearly was.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Choice {
+    /// How well the sentence describes what was taken, 0 to 1.
+    pub confidence: f64,
+    /// The next best; none if nothing else was seen.
+    pub runner_up: Option<RunnerUp>,
+}
+
+/// What would have been taken next.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunnerUp {
+    /// The noun that fits it best.
+    pub noun: String,
+    /// How well the sentence describes it, 0 to 1.
+    pub confidence: f64,
 }
 
 impl Grounding {
     /// No answer.
     pub fn without_answer(outcome: Outcome) -> Self {
-        Self { outcome, masks: BTreeMap::new(), notes: Vec::new() }
+        Self { outcome, masks: BTreeMap::new(), notes: Vec::new(), choice: None }
     }
 
     /// An answer: found if any mask has a pixel. Frames of the clip without a mask are taken as empty.
@@ -170,7 +192,7 @@ impl Grounding {
         }
         let is_found = masks.values().any(|mask| !mask.is_empty());
         let outcome = if is_found { Outcome::Found } else { Outcome::Absent };
-        Self { outcome, masks, notes }
+        Self { outcome, masks, notes, choice: None }
     }
 }
 
@@ -197,6 +219,11 @@ pub trait Grounder: Sync {
     /// What it can read, as a list that follows "it knows"; none where that is not limited to a list.
     fn knows(&self) -> Option<String> {
         None
+    }
+
+    /// What a sentence may say: what kind of words, and all of them or an example; empty where that is not limited.
+    fn words(&self) -> Vec<(String, String)> {
+        Vec::new()
     }
 
     /// Asks about one view. Every failure is an outcome.

@@ -20,6 +20,6 @@ pub mod vlm;
 pub mod worker;
 
 pub use clip::{ClipFrame, ViewClip};
-pub use grounder::{Grounder, Grounding, Outcome, Question};
+pub use grounder::{Choice, Grounder, Grounding, Outcome, Question, RunnerUp};
 pub use grounder_file::GrounderFile;
 pub use unreadable::{Reason, Unreadable};

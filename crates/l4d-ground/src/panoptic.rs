@@ -18,13 +18,13 @@ mod perceive;
 mod surface;
 mod tracks;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
 use l4d_data::store::read_bounded;
 use l4d_data::{Role, StageError, Temporal};
-use l4d_english::{Reading, Unread, Vocabulary, Words, understand};
+use l4d_english::{Reading, Unread, Vocabulary, Words, examples, understand};
 use l4d_masks::Mask;
 use l4d_network::{Description, Network, WeightsError};
 use l4d_query::soft::Ranked;
@@ -39,7 +39,7 @@ use self::believe::Scene;
 use self::lab::LabTable;
 use self::look::{Looked, Things, look};
 use crate::clip::ViewClip;
-use crate::grounder::{Grounder, Grounding, Outcome, Question};
+use crate::grounder::{Choice, Grounder, Grounding, Outcome, Question, RunnerUp};
 use crate::remembered::Remembered;
 use crate::unreadable::{Reason, Unreadable};
 
@@ -133,7 +133,11 @@ impl Panoptic {
         notes.push(format!("sees {} things", things.perceived.tracks.len()));
         let description = self.network.description();
         notes.extend(ranked.iter().take(TOLD).map(|one| told(one, things, description)));
-        Ok(Judged { best: ranked.into_iter().next(), temporal, notes })
+        let runner_up = ranked.get(1).map(|one| RunnerUp {
+            noun: things.likeliest(&one.name, description).to_owned(),
+            confidence: one.confidence,
+        });
+        Ok(Judged { best: ranked.into_iter().next(), runner_up, temporal, notes })
     }
 
     fn seen(&self, clip: &ViewClip) -> Result<Arc<Seen>, WeightsError> {
@@ -167,6 +171,18 @@ impl Grounder for Panoptic {
         ))
     }
 
+    fn words(&self) -> Vec<(String, String)> {
+        let Vocabulary { nouns, attributes, verbs } = &self.words;
+        let list = |words: Vec<&str>| words.join(", ").replace('_', " ");
+        let mut rows = vec![("things".to_owned(), list(nouns.keys().map(String::as_str).collect()))];
+        let values = |values: &BTreeSet<String>| list(values.iter().map(String::as_str).collect());
+        rows.extend(attributes.iter().map(|(key, all)| (key.clone(), values(all))));
+        rows.push(("verbs".to_owned(), list(verbs.iter().map(String::as_str).collect())));
+        let quoted = |(what, sentence): (&str, String)| (what.to_owned(), format!("\"{sentence}\""));
+        rows.extend(examples(&Words::of_vocabulary(&self.words)).into_iter().map(quoted));
+        rows
+    }
+
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
         self.answer(clip, question).unwrap_or_else(Grounding::without_answer)
     }
@@ -180,6 +196,7 @@ fn unusable(message: String) -> StageError {
 /// What a sentence means among the things that are seen.
 struct Judged {
     best: Option<Ranked>,
+    runner_up: Option<RunnerUp>,
     temporal: Temporal,
     notes: Vec<String>,
 }
@@ -194,7 +211,8 @@ impl Judged {
         };
         let is_asked = |frame: u32| question.range.is_none_or(|range| range.contains(frame));
         masks.retain(|&frame, _| is_meant(frame) && is_asked(frame));
-        Grounding::of_masks(clip, masks, self.notes)
+        let choice = self.best.map(|best| Choice { confidence: best.confidence, runner_up: self.runner_up });
+        Grounding { choice, ..Grounding::of_masks(clip, masks, self.notes) }
     }
 }
 

@@ -2,6 +2,8 @@
 
 mod answer;
 mod known;
+mod span;
+mod sureness;
 mod views;
 
 use std::path::{Path, PathBuf};
@@ -9,7 +11,7 @@ use std::path::{Path, PathBuf};
 use l4d_data::digest::sha256_hex;
 use l4d_data::layout::{AnswerDir, WorkDir};
 use l4d_data::store::write_atomic;
-use l4d_data::{Interval, Name, Progress, Rig, StageError, Timeline, Workspace};
+use l4d_data::{Name, Progress, Rig, StageError, Timeline, Workspace};
 use l4d_frames::drawn::encode_colour;
 use l4d_frames::moving_picture::{self, Pace};
 use l4d_ground::{Question, Unreadable};
@@ -19,6 +21,8 @@ use serde_json::{Value, json};
 
 pub use self::answer::{Answer, Status};
 use self::known::Known;
+pub use self::span::Moment;
+pub use self::views::SeenMasks;
 use self::views::{CameraView, camera_views, mask_name, pixels, wanted, write_masks};
 use crate::account::{Account, Stage, word};
 use crate::grounders::Grounders;
@@ -36,8 +40,8 @@ pub struct Ask<'a> {
     pub scene: Name,
     /// The sentence.
     pub text: &'a str,
-    /// First and last frame that are asked about; none for those of the clip.
-    pub frames: [Option<u32>; 2],
+    /// First and last moment that are asked about; none for those of the clip.
+    pub span: [Option<Moment>; 2],
     /// Profile and folders.
     pub space: &'a Workspace,
     /// Folder of the benchmark, whose sentences are known.
@@ -89,6 +93,8 @@ pub struct Stages {
     views: Vec<CameraView>,
     /// Camera -> frame or time -> pixels of the answer.
     pixels: Value,
+    /// Its masks from the first camera; none where nothing is to be shown.
+    first_view: Option<SeenMasks>,
     /// Everything on disk.
     pub folder: PathBuf,
     /// The moving picture; none where there is nothing to show.
@@ -115,8 +121,18 @@ pub fn ask(order: &Ask<'_>, progress: &dyn Progress) -> Result<Asked, StageError
     let known = Known::read(order.bench, &order.scene);
     // A scene that is not there is an error later, with what makes it.
     let rig = Rig::read(&places.data.rig(order.space.profile()));
-    let range = range(order, rig.map_or(Timeline::CANONICAL, |rig| rig.timeline()))?;
+    let timeline = rig.map_or(Timeline::CANONICAL, |rig| rig.timeline());
     let number = known.number_of(text);
+    let spoken = span::in_sentence(text).filter(|_| number.is_none());
+    let (text, spoken) = match &spoken {
+        Some((rest, span)) => (rest.as_str(), Some(*span)),
+        None => (text, None),
+    };
+    if spoken.is_some() && order.span != [None, None] {
+        let hint = "leave out --from and --to, or what the sentence says of seconds";
+        return Err(StageError::new("the sentence says when, and so do --from and --to", hint));
+    }
+    let range = span::interval(spoken.unwrap_or(order.span), timeline)?;
     let question = Question { scene: order.scene.clone(), number, text: text.to_owned(), range };
     if question.number.is_none() && order.grounders.knows_queries_alone() {
         return Err(known.refusal(order.grounder, text));
@@ -184,27 +200,12 @@ fn answer(
     let views = if is_shown { camera_views(&plan, &masks) } else { Vec::new() };
     let answer = missing.unwrap_or_else(|| Answer::seen(&views, &solved, &folder.join(SHEET)));
     let pixels = pixels(&plan, &masks);
-    Ok(Asked { question, answer, stages: Some(Stages { scene, solved, views, pixels, folder, moving }) })
+    let first_view = is_shown.then(|| SeenMasks::of(&plan, &masks)).flatten();
+    let stages = Stages { scene, solved, views, pixels, first_view, folder, moving };
+    Ok(Asked { question, answer, stages: Some(stages) })
 }
 
 /// The frames that are asked about; none for the whole clip.
-fn range(order: &Ask<'_>, timeline: Timeline) -> Result<Option<Interval>, StageError> {
-    let whole = timeline.whole();
-    let (from, to) = (order.frames[0].unwrap_or(whole.first()), order.frames[1].unwrap_or(whole.last()));
-    if let Some((flag, frame)) =
-        [("--from", from), ("--to", to)].into_iter().find(|(_, frame)| !whole.contains(*frame))
-    {
-        return Err(StageError::new(
-            format!("{flag} {frame} is beyond the clip"),
-            format!("frames are {} to {}", whole.first(), whole.last()),
-        ));
-    }
-    let range = Interval::new(from, to).map_err(|error| {
-        StageError::new(format!("--from, --to: {error}"), "give the first frame to --from, the last to --to")
-    })?;
-    Ok((range != whole).then_some(range))
-}
-
 fn folder(order: &Ask<'_>, work: &WorkDir, made_from: &str) -> PathBuf {
     let digest = sha256_hex(made_from.as_bytes());
     let short: String = digest.chars().take(16).collect();
@@ -235,6 +236,19 @@ impl Stages {
     /// Seconds from the sentence to the masks.
     pub fn seconds(&self) -> f64 {
         self.solved.account.seconds()
+    }
+
+    /// The answer as the first camera sees it.
+    pub fn first_view(&self) -> Option<&SeenMasks> {
+        self.first_view.as_ref()
+    }
+
+    /// How the sentence was read, in the words of the first view that says so.
+    pub fn reading(&self) -> Vec<String> {
+        let notes = self.solved.groundings.iter().map(|grounding| &grounding.notes);
+        let first = notes.into_iter().find(|notes| !notes.is_empty());
+        let is_reading = |note: &&String| !note.starts_with("sees ");
+        first.map(|notes| notes.iter().take_while(is_reading).cloned().collect()).unwrap_or_default()
     }
 
     /// The masks on disk, and the answer at some moments.

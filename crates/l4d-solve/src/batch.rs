@@ -1,12 +1,14 @@
 //! The stage `solve`: queries of many scenes, answered into a folder of results. What was answered before stays.
 
 mod card;
+mod control;
 mod ledger;
 mod pick;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use l4d_data::digest::sha256_hex;
 use l4d_data::layout::{AnswerDir, ResultsDir, WorkDir};
 use l4d_data::parallel::in_parallel;
 use l4d_data::results::MaskFile;
@@ -21,6 +23,7 @@ use l4d_splat::source::ReaderOptions;
 use serde_json::Value;
 
 use self::card::Card;
+pub use self::control::Control;
 pub use self::ledger::Ledger;
 pub use self::pick::{Picked, pick};
 use crate::account::{Account, Stage};
@@ -49,6 +52,8 @@ pub struct Batch<'a> {
     pub rasterizer: &'a dyn Rasterizer,
     /// What it draws on, for manifests; none for the processor.
     pub adapter: Option<Value>,
+    /// What is taken away, if this is a control run.
+    pub control: Option<Control>,
     /// Queries at once.
     pub jobs: usize,
     /// Answer again what was answered by another version or with other settings.
@@ -125,7 +130,10 @@ impl Batch<'_> {
         let method =
             Method { grounder: grounder.as_ref(), rasterizer: self.rasterizer, settings: &self.settings };
         let one = |query: &Query| -> Result<Record, StageError> {
-            let question = Question::from(query);
+            let mut question = Question::from(query);
+            if let Some(control) = self.control {
+                control.on_question(&mut question, query, &picked.known);
+            }
             let dir = self.answer_dir(&places.work, query);
             let made_from = method.made_from(&scene, &question);
             if let Some(record) = self.finished(query, &dir, &made_from) {
@@ -160,7 +168,13 @@ impl Batch<'_> {
 
     fn open(&self, name: &Name, places: &Places) -> Result<SolveScene, StageError> {
         let draws = (self.rasterizer, self.adapter.clone());
-        SolveScene::open(name, self.space.profile(), places, &self.clips, draws, &|| {})
+        let mut scene = SolveScene::open(name, self.space.profile(), places, &self.clips, draws, &|| {})?;
+        if let Some(control) = self.control {
+            scene.clips.iter_mut().for_each(|clip| control.on_clip(clip));
+            let shown = |digest: &String| sha256_hex(format!("{digest} {}", control.as_str()).as_bytes());
+            scene.clip_digests = scene.clip_digests.iter().map(shown).collect();
+        }
+        Ok(scene)
     }
 
     /// The record of a query whose answer and masks are there.

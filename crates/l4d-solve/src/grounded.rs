@@ -10,7 +10,7 @@ use std::thread;
 use l4d_data::digest::sha256_hex;
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, json};
-use l4d_ground::{Grounder, Grounding, Outcome, Question, ViewClip};
+use l4d_ground::{Choice, Grounder, Grounding, Outcome, Question, ViewClip};
 use l4d_masks::{Mask, Rle};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -29,6 +29,8 @@ struct File {
     /// Four-digit frame -> compressed COCO counts; null = not seen.
     frames: BTreeMap<String, Option<Rle>>,
     notes: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    choice: Option<Choice>,
 }
 
 /// Asks all views at once, those apart whose answer is in `folder`. `clip_digests` are those of the clips, in
@@ -137,7 +139,7 @@ fn read(path: &Path, asked: &str, clip: &ViewClip) -> Option<Grounding> {
         true => clip.frame_numbers().map(mask).collect::<Option<_>>()?,
         false => BTreeMap::new(),
     };
-    Some(Grounding { outcome: file.outcome, masks, notes: file.notes })
+    Some(Grounding { outcome: file.outcome, masks, notes: file.notes, choice: file.choice })
 }
 
 fn write(path: &Path, asked: String, clip: &ViewClip, grounding: &Grounding) -> Result<(), DataError> {
@@ -149,6 +151,7 @@ fn write(path: &Path, asked: String, clip: &ViewClip, grounding: &Grounding) -> 
         size: [clip.height, clip.width],
         frames: grounding.masks.iter().map(|(&frame, mask)| (frame_key(frame), rle(mask))).collect(),
         notes: grounding.notes.clone(),
+        choice: grounding.choice.clone(),
     };
     json::write(path, &file)
 }

@@ -186,7 +186,7 @@ function drawMasks(sentence) {
 function showOverlaps([truth, ...answers], frame) {
   answers.forEach((answer, place) => {
     const output = document.querySelector(`#methods [data-method="${place}"] output`);
-    let text = "no answer";
+    let text = answer && !truth ? "" : "no answer";
     if (answer && truth) {
       const share = overlap(answer, truth);
       text = share === undefined ? `rightly nothing at ${frame}` : `IoU ${(100 * share).toFixed(0)} % at ${frame}`;
@@ -447,18 +447,20 @@ function buildSentences() {
     label.append(element("output"));
     $("methods").append(label);
   });
-  for (const { number, text, categories, temporal, frames } of DOCUMENT.sentences) {
-    const when = temporal === "while" ? frames.map((span) => span.join(" to ")).join(", ") : "whole clip";
-    const about = `${number} · ${categories.join(" + ")} · ${when}`;
-    const button = element("button", { type: "button" }, text, element("small", { textContent: about }));
-    button.dataset.number = number;
-    button.addEventListener("click", () => choose(number));
-    $("sentences").append(button);
-  }
+  $("sentences").append(...DOCUMENT.sentences.map(sentenceButton));
   $("filter").addEventListener("input", () => {
     const word = $("filter").value.toLowerCase();
     for (const button of $("sentences").children) button.hidden = !button.textContent.toLowerCase().includes(word);
   });
+}
+
+function sentenceButton({ number, text, categories, temporal, frames }) {
+  const when = temporal === "while" ? frames.map((span) => span.join(" to ")).join(", ") : "whole clip";
+  const about = `${number} · ${categories.join(" + ")} · ${when}`;
+  const button = element("button", { type: "button" }, text, element("small", { textContent: about }));
+  button.dataset.number = number;
+  button.addEventListener("click", () => choose(number));
+  return button;
 }
 
 // ---- Keys, mouse, touch ----
@@ -487,7 +489,7 @@ CHECKS.forEach(({ key, letter }) => (KEYS[letter] = () => toggle(key)));
 addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   const { target } = event;
-  const isText = target.matches("input[type=search], select");
+  const isText = target.matches("input[type=search], input[type=text], select");
   const isButton = target.matches("button, summary, input[type=checkbox]") && event.key === " ";
   const isSlider = target.id === "slider" && event.key !== " " && event.key.length > 1;
   if (isText || isButton || isSlider || !KEYS[event.key]) return;

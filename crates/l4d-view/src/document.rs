@@ -36,7 +36,10 @@ pub(crate) struct Document {
     pub(crate) events: Vec<Event>,
     /// Of which view the masks are, and their width and height.
     pub(crate) masks: Option<(Name, [u32; 2])>,
+    /// The last of them is the one that answers questions, if the page asks any.
     pub(crate) methods: Vec<String>,
+    /// Whether the server of the page answers questions.
+    pub(crate) asks: bool,
     pub(crate) sentences: Vec<Sentence>,
 }
 
@@ -90,7 +93,8 @@ impl Document {
             instances: tracked.iter().zip(palette).map(|(one, colour)| boxed(one, colour)).collect(),
             events: request.tracks.map(|tracks| tracks.events.clone()).unwrap_or_default(),
             masks: request.truth.map(|truth| (truth.test_view.clone(), [truth.width, truth.height])),
-            methods: request.methods.iter().map(|(name, _)| name.clone()).collect(),
+            methods: request.methods.iter().map(|(name, _)| name).chain(&request.asks).cloned().collect(),
+            asks: request.asks.is_some(),
             sentences,
         }
     }

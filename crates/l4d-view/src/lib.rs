@@ -55,6 +55,8 @@ pub struct Request<'a> {
     pub queries: &'a [Query],
     /// Methods by name, at most [`MOST_METHODS`], whose masks are shown beside the truth.
     pub methods: &'a [(String, ResultsDir)],
+    /// Who answers what the page asks its server (`l4d-serve`), one more method; none for a page without a server.
+    pub asks: Option<String>,
 }
 
 /// A page and what it holds.
@@ -78,8 +80,9 @@ pub struct Written {
 /// More methods than a page shows, a model that has no state at a time, frames or masks that cannot be read or have
 /// another size, and a page above [`LARGEST_PAGE`].
 pub fn page(request: &Request<'_>, progress: &dyn Progress) -> Result<Written, StageError> {
-    if request.methods.len() > MOST_METHODS {
-        let message = format!("{} methods, but a page shows {MOST_METHODS}", request.methods.len());
+    let methods = request.methods.len() + usize::from(request.asks.is_some());
+    if methods > MOST_METHODS {
+        let message = format!("{methods} methods, but a page shows {MOST_METHODS}");
         return Err(StageError::new(message, format!("choose {MOST_METHODS} of them")));
     }
     let (gaussians, values) = gaussians::sampled(request.model, request.rig.timeline())?;
@@ -108,7 +111,7 @@ pub fn page(request: &Request<'_>, progress: &dyn Progress) -> Result<Written, S
 const TEMPLATE: &str = include_str!("../page/index.html");
 const STYLE: &str = include_str!("../page/style.css");
 /// In the order in which they build on each other.
-const SCRIPTS: [&str; 7] = [
+const SCRIPTS: [&str; 8] = [
     include_str!("../page/space.js"),
     include_str!("../page/unpack.js"),
     include_str!("../page/gaussians.js"),
@@ -116,6 +119,7 @@ const SCRIPTS: [&str; 7] = [
     include_str!("../page/software.js"),
     include_str!("../page/overlay.js"),
     include_str!("../page/page.js"),
+    include_str!("../page/asking.js"),
 ];
 
 /// Template, data and scripts in one file. Nothing in the data can end the element that holds it: `<` is escaped, and

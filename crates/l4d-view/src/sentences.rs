@@ -58,7 +58,7 @@ fn sentence(request: &Request<'_>, query: &Query) -> Result<Sentence, StageError
         referents: query.referents.clone(),
         frames: query.frames.clone(),
         truth: request.truth.map(meant),
-        answers: answers.collect::<Result<_, _>>()?,
+        answers: answers.chain(request.asks.iter().map(|_| Ok(None))).collect::<Result<_, _>>()?,
     })
 }
 

@@ -47,6 +47,7 @@ impl Given {
             truth: Some(&self.truth),
             queries: &self.queries,
             methods: &self.methods,
+            asks: None,
         }
     }
 }

@@ -6,6 +6,8 @@ use clap::{Args, ValueEnum};
 use l4d_data::{Profile, QuerySet, Shard};
 use l4d_experiments::ablation::Grid;
 use l4d_ground::panoptic::Part;
+use l4d_solve::ask::Moment;
+use l4d_solve::batch::Control;
 use l4d_solve::consensus::Preset;
 use l4d_solve::method::LiftChoice;
 
@@ -118,6 +120,9 @@ pub(crate) struct SolveArgs {
     /// Which sentences: those that count, those of two categories, those that nothing satisfies
     #[arg(long, default_value = "queries", value_parser = one_of::<QuerySet>(["queries", "composites", "absents"]))]
     pub(crate) set: QuerySet,
+    /// Take away what answers should rest on: grey pictures, or the sentence of another query of the scene; never ranked
+    #[arg(long, value_parser = one_of::<Control>(["blank-pictures", "shuffled-sentences"]))]
+    pub(crate) control: Option<Control>,
     /// Only these queries, e.g. room_living_cats/003 (comma-separated or repeated)
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub(crate) queries: Vec<String>,
@@ -157,14 +162,18 @@ pub(crate) struct SolveArgs {
 pub(crate) struct QueryArgs {
     /// Scene to look at
     pub(crate) scene: String,
-    /// The sentence
-    pub(crate) text: String,
-    /// First frame that is asked about; default: that of the clip
-    #[arg(long, value_name = "FRAME")]
-    pub(crate) from: Option<u32>,
-    /// Last frame that is asked about; default: that of the clip
-    #[arg(long, value_name = "FRAME")]
-    pub(crate) to: Option<u32>,
+    /// The sentence, in English
+    #[arg(required_unless_present = "words")]
+    pub(crate) text: Option<String>,
+    /// List what a sentence may say instead: things, properties, verbs, and an example of each relation
+    #[arg(long, conflicts_with = "text")]
+    pub(crate) words: bool,
+    /// First frame (24) or time (1.5s) that is asked about; default: that of the clip
+    #[arg(long, value_name = "MOMENT")]
+    pub(crate) from: Option<Moment>,
+    /// Last frame or time that is asked about; default: that of the clip
+    #[arg(long, value_name = "MOMENT")]
+    pub(crate) to: Option<Moment>,
     /// tiny, small or full; real for captures
     #[arg(long, default_value = "small")]
     pub(crate) profile: Profile,

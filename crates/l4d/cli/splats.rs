@@ -11,7 +11,7 @@ use l4d_splat::source::ReaderOptions;
 use l4d_splat::speed::Sweep;
 use l4d_splat::training_run::Initialisation;
 
-use super::solver::{BenchLiftArgs, WorkArgs};
+use super::solver::{BenchLiftArgs, MethodArgs, WorkArgs};
 use super::{number, one_of};
 
 #[derive(Debug, Args)]
@@ -142,8 +142,9 @@ pub(crate) struct RenderSplatsArgs {
     pub(crate) overwrite: bool,
 }
 
-#[derive(Debug, Args)]
-pub(crate) struct ViewArgs {
+/// A scene and what a page shows of it.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct ShownArgs {
     /// Scene to look at
     pub(crate) scene: String,
     /// Folder of the benchmark: boxes, tracks, events, sentences and the truth come from it, where it has them
@@ -168,12 +169,29 @@ pub(crate) struct ViewArgs {
     /// Leave out the pictures, depth and ids of the cameras: the page is smaller and written faster
     #[arg(long)]
     pub(crate) no_pictures: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ViewArgs {
+    #[command(flatten)]
+    pub(crate) shown: ShownArgs,
     /// Page to write; default: <work>/<profile>/<scene>/view.html
     #[arg(long, short, value_name = "HTML")]
     pub(crate) out: Option<PathBuf>,
     /// Replace a page that l4d did not write
     #[arg(long)]
     pub(crate) force: bool,
+}
+
+#[derive(Debug, Clone, Args)]
+pub(crate) struct ServeArgs {
+    #[command(flatten)]
+    pub(crate) shown: ShownArgs,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+    /// Port on this machine; 0 takes a free one
+    #[arg(long, value_name = "PORT", default_value_t = 4420)]
+    pub(crate) port: u16,
 }
 
 /// What a model of others does not say itself.

@@ -18,8 +18,19 @@ pub(crate) fn run(args: &SolveArgs, out: &Printer) -> Result<ExitStatus> {
     let grounders = solver::open_grounders(&args.method, &space.shared(), out)?;
     let opened = rasterizer::open(&args.method.adapter.adapter)?;
     let method = args.method.choice();
-    let default_name =
-        || method.default_name(args.method.grounder.as_str(), args.method.noise.is_some(), args.set);
+    if args.control.is_some() && grounders.knows_queries_alone() {
+        return Err(refusal(
+            format!("--control does not apply to the grounder {}", args.method.grounder.as_str()),
+            "leave it out, or choose a grounder that looks at pictures and reads sentences",
+        ));
+    }
+    let default_name = || {
+        let name = method.default_name(args.method.grounder.as_str(), args.method.noise.is_some(), args.set);
+        match args.control {
+            Some(control) => format!("{name}-{}", control.as_str()),
+            None => name,
+        }
+    };
     let batch = Batch {
         name: Name::new(args.name.clone().unwrap_or_else(default_name))?,
         space,
@@ -30,6 +41,7 @@ pub(crate) fn run(args: &SolveArgs, out: &Printer) -> Result<ExitStatus> {
         clips: method.clip_settings(None),
         rasterizer: opened.rasterizer.as_ref(),
         adapter: opened.adapter,
+        control: args.control,
         jobs: args.jobs as usize,
         overwrite: args.overwrite,
         used_depth: args.used_depth,

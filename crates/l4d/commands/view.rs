@@ -11,13 +11,39 @@ use l4d_data::tracks::Tracks;
 use l4d_data::truth::Truth;
 use l4d_data::{DataError, Name, Rig, Scene};
 use l4d_splat::source::Source;
-use l4d_view::{MOST_METHODS, Request};
+use l4d_view::{MOST_METHODS, Request, Written};
 
-use crate::cli::splats::ViewArgs;
+use crate::cli::splats::{ShownArgs, ViewArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &ViewArgs, out: &Printer) -> Result<ExitStatus> {
     let start = Instant::now();
+    let name = Name::new(&args.shown.scene)?;
+    let space = args.shown.work.space(args.shown.profile);
+    let path = args.out.clone().unwrap_or_else(|| space.work(&name).splats().with_file_name("view.html"));
+    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let _claim = Claim::take(folder_of(&path), vec![file], None, args.force)?;
+    let page = page_of(&args.shown, None, out)?;
+    write_atomic(&path, &page.html)?;
+    out.note(format!("{} in {:.1} s; open it in a browser", summary(&page), start.elapsed().as_secs_f64()));
+    out.data(path.display())?;
+    Ok(ExitStatus::Success)
+}
+
+/// What is on a page.
+pub(super) fn summary(page: &Written) -> String {
+    format!(
+        "{} Gaussians at {} moments, {} pictures, {} sentences: {:.1} MB",
+        page.gaussians,
+        page.times,
+        page.pictures,
+        page.sentences,
+        page.html.len() as f64 / 1e6
+    )
+}
+
+/// The page of a scene; `asks` names who answers its questions, if anybody does.
+pub(super) fn page_of(args: &ShownArgs, asks: Option<String>, out: &Printer) -> Result<Written> {
     let name = Name::new(&args.scene)?;
     let space = args.work.space(args.profile);
     let dir = space.scene(&name);
@@ -48,27 +74,13 @@ pub(crate) fn run(args: &ViewArgs, out: &Printer) -> Result<ExitStatus> {
         truth: truth.as_ref(),
         queries: &queries,
         methods: &methods,
+        asks,
     };
-    let path = args.out.clone().unwrap_or_else(|| space.work(&name).splats().with_file_name("view.html"));
-    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let _claim = Claim::take(folder_of(&path), vec![file], None, args.force)?;
-    let page = l4d_view::page(&request, out)?;
-    write_atomic(&path, &page.html)?;
-    out.note(format!(
-        "{} Gaussians at {} moments, {} pictures, {} sentences: {:.1} MB in {:.1} s; open it in a browser",
-        page.gaussians,
-        page.times,
-        page.pictures,
-        page.sentences,
-        page.html.len() as f64 / 1e6,
-        start.elapsed().as_secs_f64(),
-    ));
-    out.data(path.display())?;
-    Ok(ExitStatus::Success)
+    Ok(l4d_view::page(&request, out)?)
 }
 
 /// The folders of the methods that are named.
-fn methods(args: &ViewArgs) -> Result<Vec<(String, ResultsDir)>> {
+fn methods(args: &ShownArgs) -> Result<Vec<(String, ResultsDir)>> {
     if args.methods.len() > MOST_METHODS {
         let message = format!("{} methods, but a page shows {MOST_METHODS}", args.methods.len());
         return Err(refusal(message, format!("name at most {MOST_METHODS} with --methods")));

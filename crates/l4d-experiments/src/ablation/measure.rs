@@ -65,6 +65,7 @@ fn answer(variant: &Variant, order: &Ablation<'_>, progress: &dyn Progress) -> R
         clips: variant.method.clip_settings(None),
         rasterizer: order.rasterizer,
         adapter: order.adapter.clone(),
+        control: None,
         jobs: order.jobs,
         overwrite: order.overwrite,
         used_depth: false,

@@ -149,6 +149,10 @@ impl Grounder for Fused {
         self.panoptic.knows()
     }
 
+    fn words(&self) -> Vec<(String, String)> {
+        self.panoptic.words()
+    }
+
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
         self.answer(clip, question).unwrap_or_else(Grounding::without_answer)
     }

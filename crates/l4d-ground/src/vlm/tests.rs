@@ -160,7 +160,7 @@ fn outcomes_without_masks_are_told_apart() {
         ("points", "unparsed"),
         ("down", "error"),
     ] {
-        let Grounding { outcome, masks, notes } = ask(text);
+        let Grounding { outcome, masks, notes, .. } = ask(text);
         assert_eq!((outcome.word(), masks.len()), (word, 0), "{text}: {outcome:?}");
         assert!(!notes.is_empty());
     }

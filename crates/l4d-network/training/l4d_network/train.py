@@ -52,6 +52,7 @@ def main() -> None:
         averaged.load_state_dict(state["averaged"])
         optimiser.load_state_dict(state["optimiser"])
         first = state["iteration"]
+    _forget_after(options.out, first)
     pictures = Pictures(scenes, words, device)
     print(
         f"{len(scenes)} scenes, {len(pictures)} pictures, {len(words.kinds) - 1} nouns, {len(words.values)} values, "
@@ -187,6 +188,14 @@ def _save(
     temporary = path.with_suffix(".tmp")
     torch.save(content, temporary)
     os.replace(temporary, path)
+
+
+def _forget_after(out: Path, iteration: int) -> None:
+    """Leaves out of the curves what a killed run wrote after its last checkpoint: it is learned again."""
+    for path in out.glob("*.jsonl"):
+        lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+        whole = [line for line in lines if line.endswith("\n") and json.loads(line)["iteration"] <= iteration]
+        path.write_text("".join(whole), encoding="utf-8")
 
 
 def _report(out: Path, iteration: int, losses: list[float], started: float, done: int) -> None:

@@ -7,6 +7,7 @@ use l4d_ground::{Grounder, Grounding, Outcome, Reason, Unreadable};
 use serde::Serialize;
 
 use super::known::Known;
+use super::sureness::Sureness;
 use super::views::CameraView;
 use crate::solve::Solved;
 
@@ -30,12 +31,15 @@ pub enum Status {
 }
 
 /// `answer` of `--json`; its message is the last line otherwise.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Answer {
     /// How it ended.
     pub status: Status,
     /// One line.
     pub message: String,
+    /// How sure the grounder is; none where there is no answer, or where it does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sureness: Option<Sureness>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     unread_words: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -45,7 +49,7 @@ pub struct Answer {
 impl Answer {
     fn new(status: Status, message: &str) -> Self {
         // Of whatever it is made, it stays one line.
-        Self { status, message: inert(message), unread_words: Vec::new(), nearest: None }
+        Self { status, message: inert(message), sureness: None, unread_words: Vec::new(), nearest: None }
     }
 
     /// Why there is none; nothing where there is one.
@@ -91,9 +95,11 @@ impl Answer {
 
     /// What the cameras see of it.
     pub(super) fn seen(views: &[CameraView], solved: &Solved, picture: &Path) -> Self {
-        let message =
-            format!("answer: {} ({}); picture: {}", visible(views), support(solved), picture.display());
-        Self::new(Status::Answered, &message)
+        let sureness = Sureness::of(solved);
+        let sure = sureness.as_ref().map(|sureness| format!("; {sureness}")).unwrap_or_default();
+        let (visible, support) = (visible(views), support(solved));
+        let message = format!("answer: {visible} ({support}){sure}; picture: {}", picture.display());
+        Self { sureness, ..Self::new(Status::Answered, &message) }
     }
 
     /// Whether masks say something: an answer, or that there is nothing to be seen.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use l4d_data::store::write_atomic;
 use l4d_data::{Camera, DataError, Interval, Name, Rig, Split, StageError};
-use l4d_masks::{Mask, png};
+use l4d_masks::{Mask, Rle, png};
 use serde_json::{Map, Value, json};
 
 use super::Ask;
@@ -89,6 +89,32 @@ pub(super) fn pixels(plan: &Plan, masks: &BTreeMap<PictureIndex, Mask>) -> Value
         of_camera[&instant.key] = json!(mask.area());
     }
     Value::Object(cameras)
+}
+
+/// The masks of an answer from one camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeenMasks {
+    /// The camera.
+    pub camera: Name,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Frame or time -> mask, none where it is not seen.
+    pub masks: BTreeMap<String, Option<Rle>>,
+}
+
+impl SeenMasks {
+    /// Those of the first camera of a plan.
+    pub(super) fn of(plan: &Plan, masks: &BTreeMap<PictureIndex, Mask>) -> Option<Self> {
+        let of_first = masks.iter().filter(|(index, _)| index.view == 0);
+        let one = |(index, mask): (&PictureIndex, &Mask)| {
+            (plan.of(*index).1.key.clone(), (!mask.is_empty()).then(|| mask.to_rle()))
+        };
+        Some(Self {
+            camera: plan.cameras.first()?.name.clone(),
+            size: plan.size,
+            masks: of_first.map(one).collect(),
+        })
+    }
 }
 
 /// What a camera sees of the answer.

@@ -44,7 +44,7 @@ impl Card {
                 depth: saw_depth(batch, selected, progress)?,
                 endpoints: batch.grounders.endpoints(),
             },
-            baseline: false,
+            baseline: batch.control.is_some(),
             seconds: None,
             reported: BTreeMap::new(),
             import: None,
