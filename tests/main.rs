@@ -29,6 +29,7 @@ mod replacing;
 mod results;
 mod runner;
 mod score;
+mod serving;
 mod solving;
 mod splats;
 mod splats_render;

@@ -316,3 +316,58 @@ fn options_of_another_grounder_are_refused() {
     }
     dir.run(format!("{QUERY} --weights made")).says(2, &["--weights does not apply to the grounder oracle"]);
 }
+
+#[test]
+fn moments_are_frames_or_seconds_in_options_and_in_the_sentence() {
+    let dir = world();
+    let area = |run: Value| run["frames"]["cam04"].clone();
+    let by_frame = area(dir.json(format!("{QUERY} --from 24 --to 48 --out a")));
+    assert_eq!(by_frame.as_object().unwrap().keys().collect::<Vec<_>>(), ["0024", "0036", "0048"]);
+    assert_eq!(area(dir.json(format!("{QUERY} --from 1s --to 2s --out b"))), by_frame);
+    let spoken = "query ball 'The ball that rolls between second 1 and second 2' --profile tiny --data data \
+                  --grounder oracle";
+    assert_eq!(area(dir.json(format!("{spoken} --out c"))), by_frame);
+    dir.refuses(
+        format!("{spoken} --from 1s --out d"),
+        &["the sentence says when, and so do --from and --to"],
+    );
+    dir.refuses(format!("{QUERY} --to 9.5s"), &["--to 9.5s is beyond the clip", "the last is at 4s"]);
+    dir.run(format!("{QUERY} --from soon")).says(2, &["neither a frame (`24`) nor a time (`1.5s`)"]);
+}
+
+#[test]
+fn what_can_be_said_is_listed() {
+    let dir = Dir::new();
+    let run = dir.succeed("query ball --words");
+    run.says(0, &["things: apple, ", "colour: ", "verbs: ", "beside: \"", "first to: \""]);
+    dir.refuses("query ball --words --grounder oracle", &["the grounder oracle has no list of words"]);
+    dir.run("query ball").says(2, &["<TEXT|--words>"]);
+}
+
+#[test]
+fn controls_take_away_what_is_seen_or_said_and_are_never_ranked() {
+    let dir = world();
+    let run = dir.succeed(format!("{SOLVE} --control shuffled-sentences"));
+    run.says(0, &["results/panopticquery-panoptic-shuffled-sentences"]);
+    let card = dir.value("results/panopticquery-panoptic-shuffled-sentences/method.json");
+    assert_eq!(card["baseline"], true);
+    let question = |number: &str| {
+        let folder = "work/tiny/ball/answers/panopticquery-panoptic-shuffled-sentences";
+        dir.value(&format!("{folder}/{number}/manifest.json"))["question"]["text"].clone()
+    };
+    let texts = ["001", "002", "003"].map(question);
+    let mut told = dir
+        .lines("benchmark/queries/ball.jsonl")
+        .iter()
+        .map(|query| query["text"].clone())
+        .collect::<Vec<_>>();
+    assert!(texts.iter().zip(&told).all(|(asked, own)| asked != own), "{texts:?}");
+    told.sort_by_key(ToString::to_string);
+    let mut asked = texts.to_vec();
+    asked.sort_by_key(ToString::to_string);
+    assert_eq!(asked, told, "each sentence is handed on once");
+    dir.refuses(
+        format!("{SOLVE} --control blank-pictures --grounder oracle"),
+        &["--control does not apply to the grounder oracle"],
+    );
+}

@@ -32,7 +32,7 @@ function showStage({ state, ahead, stage, done, total }) {
 
 /** The answer joins the sentences, as one of the last method, and is looked at. */
 function showAnswer(text, { id, message, read, camera, size, masks }) {
-  $("answer").replaceChildren(message);
+  $("answer").replaceChildren(message.split("; picture: ")[0]);
   for (const line of read) $("answer").append(element("br"), line);
   if (!masks) return;
   DOCUMENT.masks ??= [camera, size];

@@ -274,7 +274,7 @@ function showRows() {
   const sentence = sentenceOf();
   if (sentence) {
     const holds = sentence.frames.map(([first, last]) => [Math.max(first, FIRST), Math.min(last, LAST)]);
-    rows.push(lane("holds", holds, "now"));
+    if (holds.length) rows.push(lane("holds", holds, "now"));
     if (sentence.truth) rows.push(lane("truth", spansOf(sentence.truth), "truth"));
     sentence.answers.forEach((masks, place) => {
       rows.push(lane(DOCUMENT.methods[place], spansOf(masks), `method-${place}`));
