@@ -29,6 +29,7 @@ use self::scenes::{
 };
 use self::solver::{AblateArgs, QueryArgs, SolveArgs};
 use self::splats::{BenchCommand, RenderSplatsArgs, ServeArgs, TrainSplatsArgs, ViewArgs};
+use crate::shipped;
 
 /// Benchmark and dataset toolkit for 4D language grounding.
 #[derive(Debug, Parser)]
@@ -163,7 +164,7 @@ impl Command {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct BenchArgs {
     /// Folder of the benchmark
-    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     /// tiny, small or full; real for captures
     #[arg(long, default_value = "small")]
@@ -226,7 +227,7 @@ pub(crate) struct QuickstartArgs {
     #[arg(long, value_name = "DIR", default_value = "quickstart")]
     pub(crate) out: PathBuf,
     /// Folder of the benchmark
-    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     /// Scene to render
     #[arg(long, value_name = "NAME", default_value = "room_playroom")]

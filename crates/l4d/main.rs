@@ -7,6 +7,7 @@ mod models;
 mod out;
 mod published_votes;
 mod rasterizer;
+mod shipped;
 mod solver;
 mod stopping;
 

@@ -74,7 +74,7 @@ impl BlenderEnv {
             Some(python) => python.clone(),
             None => environment(&scripts, &choice.work).find_or_make(progress)?,
         };
-        require_modules(&python)?;
+        require_modules(&python, &scripts)?;
         Ok(Self { python, scripts })
     }
 
@@ -129,17 +129,18 @@ pub fn probe(python: &Path) -> Result<Probe> {
 }
 
 /// What to do about a module that does not load.
-pub fn import_remedy(module: &str, error: &str) -> String {
+pub fn import_remedy(module: &str, error: &str, scripts: &Path) -> String {
     if let Some(library) = missing_library(error) {
         let package = debian_package(library);
         return format!("install the system library {library} (Debian, Ubuntu: apt-get install {package})");
     }
+    let install = format!("pip install -r {}", scripts.join("requirements.txt").display());
     if module == "bpy" && error.contains("No module named") {
         return format!(
-            "bpy needs Python {PYTHON_VERSION}; leave out --python and l4d makes an environment, or pip install -r blender_scripts/requirements.txt there"
+            "bpy needs Python {PYTHON_VERSION}; leave out --python and l4d makes an environment, or {install} there"
         );
     }
-    "pip install -r blender_scripts/requirements.txt in that environment, or leave out --python".to_owned()
+    format!("{install} in that environment, or leave out --python")
 }
 
 /// The folder of the Blender scripts, absolute.
@@ -167,13 +168,13 @@ fn environment(scripts: &Path, work: &SharedWork) -> Environment {
     }
 }
 
-fn require_modules(python: &Path) -> Result<()> {
+fn require_modules(python: &Path, scripts: &Path) -> Result<()> {
     let probe = probe(python)?;
     match probe.errors.first_key_value() {
         None => Ok(()),
         Some((module, error)) => Err(StageError::new(
             format!("{} (Python {}) cannot import {module}: {error}", python.display(), probe.version),
-            import_remedy(module, error),
+            import_remedy(module, error, scripts),
         )),
     }
 }
@@ -207,7 +208,7 @@ mod tests {
     #[test]
     fn a_missing_system_library_names_its_package() {
         let error = "ImportError: libXfixes.so.3: cannot open shared object file: No such file or directory";
-        assert!(import_remedy("bpy", error).contains("apt-get install libxfixes3"));
+        assert!(import_remedy("bpy", error, Path::new("scripts")).contains("apt-get install libxfixes3"));
     }
 
     #[test]

@@ -72,9 +72,10 @@ impl Environment {
     }
 
     fn install(&self, folder: &Path, python: &Path) -> Result<()> {
-        if runs("uv", ["--version"]) {
+        let uv = beside_program_or_on_path("uv");
+        if let Some(uv) = uv.iter().find(|uv| runs(uv, ["--version"])) {
             self.step(
-                "uv",
+                uv,
                 [OsStr::new("venv"), "--python".as_ref(), PYTHON_VERSION.as_ref(), folder.as_os_str()],
             )?;
             let install = [
@@ -85,19 +86,20 @@ impl Environment {
                 "-r".as_ref(),
                 self.requirements.as_os_str(),
             ];
-            return self.step("uv", install);
+            return self.step(uv, install);
         }
         let base = self.base_python()?;
-        self.step(base, [OsStr::new("-m"), "venv".as_ref(), folder.as_os_str()])?;
+        self.step(&base, [OsStr::new("-m"), "venv".as_ref(), folder.as_os_str()])?;
         let install = ["-m", "pip", "install", "--disable-pip-version-check", "--no-input", "--quiet", "-r"];
         let install = install.map(OsStr::new).into_iter().chain([self.requirements.as_os_str()]);
-        self.step(&python.to_string_lossy(), install)
+        self.step(python, install)
     }
 
-    fn base_python(&self) -> Result<&'static str> {
+    fn base_python(&self) -> Result<PathBuf> {
         let version = "import sys; sys.exit('%d.%d' % sys.version_info[:2] != sys.argv[1])";
-        let is_right = |python: &&str| runs(python, ["-c", version, PYTHON_VERSION]);
-        ["python3.11", "python3", "python"].into_iter().find(is_right).ok_or_else(|| {
+        let is_right = |python: &PathBuf| runs(python, ["-c", version, PYTHON_VERSION]);
+        let names = ["python3.11", "python3", "python"].into_iter();
+        names.flat_map(beside_program_or_on_path).find(is_right).ok_or_else(|| {
             StageError::new(
                 format!("no Python {PYTHON_VERSION} on PATH, which {} is pinned for", self.name),
                 "install it (Debian 12: apt-get install python3.11 python3.11-venv), or install uv, which brings its own",
@@ -105,10 +107,10 @@ impl Environment {
         })
     }
 
-    fn step<'a>(&self, program: &str, args: impl IntoIterator<Item = &'a OsStr>) -> Result<()> {
+    fn step<'a>(&self, program: &Path, args: impl IntoIterator<Item = &'a OsStr>) -> Result<()> {
         let mut command = Command::new(program);
         command.args(args).stdin(Stdio::null());
-        let output = command.output().map_err(|error| DataError::io(Path::new(program), "run", error))?;
+        let output = command.output().map_err(|error| DataError::io(program, "run", error))?;
         if output.status.success() {
             return Ok(());
         }
@@ -125,11 +127,21 @@ impl Environment {
             "check the network and the package index, or prepare an environment yourself and name its Python"
                 .to_owned()
         };
-        Err(StageError::new(format!("{program} could not make {}:\n{}", self.name, tail.join("\n")), hint))
+        Err(StageError::new(
+            format!("{} could not make {}:\n{}", program.display(), self.name, tail.join("\n")),
+            hint,
+        ))
     }
 }
 
-fn runs<const N: usize>(program: &str, args: [&str; N]) -> bool {
+/// A program as the environment has it that l4d was installed into, which need not be active, and as it is on the path.
+fn beside_program_or_on_path(name: &str) -> Vec<PathBuf> {
+    let beside =
+        std::env::current_exe().ok().map(|l4d| l4d.with_file_name(name)).filter(|path| path.is_file());
+    beside.into_iter().chain([PathBuf::from(name)]).collect()
+}
+
+fn runs<const N: usize>(program: &Path, args: [&str; N]) -> bool {
     let silent = Command::new(program)
         .args(args)
         .stdin(Stdio::null())
@@ -160,7 +172,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let first = environment(folder.path(), "# nothing\n");
         let python = first.find_or_make(&Silent).unwrap();
-        assert!(runs(&python.to_string_lossy(), ["-c", "import json"]));
+        assert!(runs(&python, ["-c", "import json"]));
         let mark = python.with_file_name("mark");
         std::fs::write(&mark, "").unwrap();
         assert_eq!(first.find_or_make(&Silent).unwrap(), python);

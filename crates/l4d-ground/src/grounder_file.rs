@@ -11,9 +11,6 @@ use serde::Deserialize;
 use crate::vlm::{Coupling, Settings};
 use crate::worker::Launch;
 
-/// Where the package of the workers stands, seen from the project's root folder.
-const PACKAGE: &str = "crates/l4d-ground/workers";
-
 /// A grounder's file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -95,7 +92,8 @@ impl GrounderFile {
         self.segmenter.threshold
     }
 
-    /// How the segmenter is started. `path` is that of the file; `python_of` makes the environment of a package of
+    /// How the segmenter is started. `path` is that of the file; `ours` is the folder of the project's workers where the
+    /// file names none; `python_of` makes the environment of a package of
     /// workers that need networks, on demand.
     ///
     /// # Errors
@@ -103,6 +101,7 @@ impl GrounderFile {
     pub fn launch<E: From<DataError>>(
         &self,
         path: &Path,
+        ours: &Path,
         python_of: impl FnOnce(&Path) -> Result<PathBuf, E>,
     ) -> Result<Launch, E> {
         let entry = &self.segmenter;
@@ -139,7 +138,7 @@ impl GrounderFile {
             let message = format!("is `{}`", worker.escape_debug());
             return Err(wrong("worker", message, &format!("choose among {known}, or name a `program`")));
         };
-        let package = entry.package.as_deref().unwrap_or(Path::new(PACKAGE));
+        let package = entry.package.as_deref().unwrap_or(ours);
         if !package.join("l4d_workers").is_dir() {
             let message = format!("the package of the workers is not there: {}", package.display());
             let remedy =
@@ -192,7 +191,9 @@ mod tests {
         let file =
             read("coupling = \"no-vlm\"\n[segmenter]\nprogram = \"seg\"\narguments = [\"a\"]").unwrap();
         assert_eq!((file.coupling(), file.model), (None, Settings::default()));
-        let launch = file.launch(Path::new("x"), |_| unreachable!()).map_err(|error: DataError| error);
+        let launch = file
+            .launch(Path::new("x"), Path::new("workers"), |_| unreachable!())
+            .map_err(|error: DataError| error);
         assert_eq!(launch.unwrap().arguments, ["a"]);
         let error = read("coupling = \"boxes\"\n[segmenter]\nworker = \"box\"").unwrap_err().to_string();
         assert!(error.contains("`boxes`") && error.contains("`no-vlm`"), "{error}");

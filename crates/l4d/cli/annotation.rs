@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::{BenchArgs, number};
+use crate::shipped;
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckQueriesArgs {
@@ -134,7 +135,7 @@ pub(crate) struct VerdictArgs {
     #[arg(long, value_name = "DIR", default_value = "annotation/rounds")]
     pub(crate) rounds: PathBuf,
     /// Folder of the benchmark
-    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     /// Only look, before all ballots are sealed: nothing is written
     #[arg(long, conflicts_with = "check")]

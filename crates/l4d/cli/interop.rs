@@ -10,6 +10,7 @@ use l4d_import::export::{DEFAULT_POINTS, Format, HeldOut};
 use l4d_import::results::codec::Codec;
 
 use super::{BenchArgs, one_of};
+use crate::shipped;
 
 #[derive(Debug, Args)]
 pub(crate) struct ImportArgs {
@@ -137,7 +138,7 @@ pub(crate) struct ExportArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Folder of the benchmark: which draw is meant, and truth for the formats that hold it
-    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     /// What is shown of the held-out camera: nothing; where it is, with grey where a reader insists on a picture (pose); or
     /// its pictures, in the test split

@@ -9,6 +9,7 @@ use l4d_score::results::{MEGABYTE, MOST_BYTES, PROTOCOL};
 use l4d_score::{Baseline, Missing, Protocol, QuerySet};
 
 use super::{BenchArgs, number, one_of};
+use crate::shipped;
 
 const BASELINES: [&str; 6] =
     ["oracle", "none", "all", "time-agnostic", "random-look-alike", "look-alike-union"];
@@ -38,7 +39,7 @@ pub(crate) struct InitResultsArgs {
     /// Name of the method, and of its folder
     pub(crate) name: String,
     /// Folder of the benchmark
-    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     /// tiny, small or full; real for captures
     #[arg(long, default_value = "small")]

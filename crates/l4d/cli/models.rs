@@ -8,6 +8,7 @@ use l4d_endpoint::Link;
 
 use super::splats::PixelSize;
 use super::{BenchArgs, number, one_of};
+use crate::shipped;
 
 /// Which model of which server is meant: a file, flags, or flags that override the file.
 #[derive(Debug, Clone, Args)]
@@ -146,7 +147,7 @@ pub(crate) struct ProposePromptsArgs {
 #[derive(Debug, Args)]
 pub(crate) struct ProposeScenesArgs {
     /// Folder of the benchmark whose scenes exist already
-    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     #[command(flatten)]
     pub(crate) ask: AskArgs,

@@ -8,11 +8,12 @@ use l4d_data::results::Track;
 use l4d_release::Day;
 
 use super::{one_of, rendered};
+use crate::shipped;
 
 #[derive(Debug, Args)]
 pub(crate) struct ReleaseArgs {
     /// Folder of the benchmark
-    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     /// Day of publication, YYYY-MM-DD
     #[arg(long, value_name = "DAY", required_unless_present = "check")]
@@ -58,7 +59,7 @@ pub(crate) enum HostCommand {
 #[derive(Debug, Args)]
 pub(crate) struct HostArgs {
     /// Folder of the benchmark
-    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     /// Whose truth counts: tiny, small or full
     #[arg(long, default_value = "small", value_parser = rendered)]

@@ -10,6 +10,7 @@ use l4d_blender::env::PythonChoice;
 use l4d_data::workspace::SharedWork;
 
 use super::{BenchArgs, one_of};
+use crate::shipped;
 
 #[derive(Debug, Args)]
 pub(crate) struct DoctorArgs {
@@ -33,7 +34,7 @@ pub(crate) struct PythonArgs {
     #[arg(long, value_name = "PATH")]
     pub(crate) python: Option<PathBuf>,
     /// Folder of the Blender scripts
-    #[arg(long, value_name = "DIR", default_value = "blender_scripts")]
+    #[arg(long, value_name = "DIR", default_value_os = shipped::blender_scripts())]
     pub(crate) blender_scripts: PathBuf,
     /// Folder for what can be remade (environments, logs)
     #[arg(long, value_name = "DIR", default_value = "work")]

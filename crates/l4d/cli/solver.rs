@@ -14,6 +14,7 @@ use l4d_solve::method::LiftChoice;
 use super::models::ServerArgs;
 use super::splats::{AdapterArgs, PixelSize, ReaderArgs};
 use super::{BenchArgs, number, one_of};
+use crate::shipped;
 
 /// Who finds in one view what a sentence means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -182,7 +183,7 @@ pub(crate) struct QueryArgs {
     #[command(flatten)]
     pub(crate) work: WorkArgs,
     /// Folder of the benchmark, for --grounder oracle and files, which know queries by their sentence alone
-    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     /// A checkpoint of train-splats, or a model of others as for render-splats; default: <work>/<profile>/<scene>/splats
     #[arg(long, value_name = "PATH")]
@@ -266,7 +267,7 @@ pub(crate) struct BenchLiftArgs {
     #[arg(long, default_value = "small", value_parser = super::rendered)]
     pub(crate) profile: Profile,
     /// Folder of the benchmark
-    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     #[command(flatten)]
     pub(crate) work: WorkArgs,

@@ -13,6 +13,7 @@ use l4d_splat::training_run::Initialisation;
 
 use super::solver::{BenchLiftArgs, MethodArgs, WorkArgs};
 use super::{number, one_of};
+use crate::shipped;
 
 #[derive(Debug, Args)]
 pub(crate) struct TrainSplatsArgs {
@@ -22,7 +23,7 @@ pub(crate) struct TrainSplatsArgs {
     #[arg(long, default_value = "small")]
     pub(crate) profile: Profile,
     /// Folder of the benchmark: it says which draw of the scenes is meant
-    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     #[command(flatten)]
     pub(crate) work: WorkArgs,
@@ -148,7 +149,7 @@ pub(crate) struct ShownArgs {
     /// Scene to look at
     pub(crate) scene: String,
     /// Folder of the benchmark: boxes, tracks, events, sentences and the truth come from it, where it has them
-    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     /// Pictures and masks that are shown, and where things are by default: tiny, small or full; real for captures
     #[arg(long, default_value = "small")]

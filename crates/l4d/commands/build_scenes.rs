@@ -10,10 +10,12 @@ use l4d_data::{Benchmark, Name, Profile, Report, Workspace};
 
 use crate::cli::scenes::BuildScenesArgs;
 use crate::out::{ExitStatus, Printer, refusal};
+use crate::shipped;
 
 pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
     let profile = args.bench.profile;
     let scenes = chosen_scenes(args)?;
+    require_nothing_new(args, &scenes)?;
     let choice = args.python.choice();
     let env = BlenderEnv::find_or_make(&choice, out)?;
     // A folder that is no benchmark yet becomes the benchmark's.
@@ -48,6 +50,20 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
     }
     built.settled.iter().try_for_each(|folder| out.data(folder.display()))?;
     out.findings(report, false)
+}
+
+/// A build compares with an installed benchmark, and may have nothing to add to it.
+fn require_nothing_new(args: &BuildScenesArgs, scenes: &[Name]) -> Result<()> {
+    let bench = BenchDir::new(&args.bench.bench);
+    let lacks = |scene: &Name| {
+        let truth = bench.truth(args.bench.profile, scene);
+        !bench.tracks(scene).exists() || !(args.tracks_only || truth.exists())
+    };
+    if args.update_benchmark || scenes.iter().any(lacks) {
+        shipped::require_own(bench.root())
+    } else {
+        Ok(())
+    }
 }
 
 /// The benchmark's scenes, or those asked for; new recipes need not be in the benchmark.

@@ -17,6 +17,7 @@ use serde_json::json;
 
 use crate::cli::scenes::ComposeArgs;
 use crate::out::{ExitStatus, Printer, refusal, table};
+use crate::shipped;
 
 pub(crate) fn run(args: &ComposeArgs, out: &Printer) -> Result<ExitStatus> {
     let choice = args.python.choice();
@@ -24,6 +25,7 @@ pub(crate) fn run(args: &ComposeArgs, out: &Printer) -> Result<ExitStatus> {
         let env = BlenderEnv::find_or_make(&choice, out)?;
         return list(&themes(&env, &choice.work)?, args, out);
     };
+    shipped::require_own(folder)?;
     let secret = match (args.split, &args.secret) {
         (SetSplit::Private, Some(path)) => Some(wish::read_secret(path)?),
         (_, Some(_)) => return Err(refusal("--secret is for private sets", "add --split private")),

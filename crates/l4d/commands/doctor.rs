@@ -12,6 +12,7 @@ use serde_json::json;
 
 use crate::cli::scenes::DoctorArgs;
 use crate::out::{ExitStatus, Printer, refusal};
+use crate::shipped;
 
 /// Free space that a `full` build of the benchmark wants.
 const WANTED_DISK_GIB: u64 = 20;
@@ -131,7 +132,7 @@ fn python_lines(args: &DoctorArgs) -> Vec<Line> {
         return vec![Line::optional("python", "no Blender environment yet", remedy)];
     }
     match probe(&python) {
-        Ok(probe) => probe_lines(&python, &probe),
+        Ok(probe) => probe_lines(&python, &probe, &args.python.blender_scripts),
         Err(error) => {
             let remedy = "name a working Python 3.11 with --python, or delete the environment so that it is made again";
             vec![Line::missing("python", format!("{error:#}"), remedy)]
@@ -139,10 +140,10 @@ fn python_lines(args: &DoctorArgs) -> Vec<Line> {
     }
 }
 
-fn probe_lines(python: &Path, probe: &Probe) -> Vec<Line> {
+fn probe_lines(python: &Path, probe: &Probe, scripts: &Path) -> Vec<Line> {
     let modules = [("bpy", "bpy"), ("OpenEXR", "OpenEXR"), ("usd-core", "pxr"), ("numpy", "numpy")];
     let module_line = |(name, module): (&'static str, &str)| match probe.errors.get(module) {
-        Some(error) => Line::missing(name, error.clone(), import_remedy(module, error)),
+        Some(error) => Line::missing(name, error.clone(), import_remedy(module, error, scripts)),
         None => Line::ok(name, probe.modules.get(module).cloned().unwrap_or_default()),
     };
     let python = Line::ok("python", format!("{} ({})", probe.version, python.display()));
@@ -150,13 +151,11 @@ fn probe_lines(python: &Path, probe: &Probe) -> Vec<Line> {
 }
 
 fn benchmark_line() -> Line {
-    match Benchmark::open("benchmark") {
+    match Benchmark::open(shipped::benchmark()) {
         Ok(bench) => {
             let manifest = bench.manifest;
-            Line::ok(
-                "benchmark",
-                format!("{} {}, {} scenes", manifest.name, manifest.version, manifest.scenes.len()),
-            )
+            let what = format!("{} {}, {} scenes", manifest.name, manifest.version, manifest.scenes.len());
+            Line::ok("benchmark", format!("{what} ({})", bench.dir.root().display()))
         }
         Err(error) => Line::missing(
             "benchmark",

@@ -12,8 +12,10 @@ use serde_json::json;
 
 use crate::cli::interop::ImportSceneArgs;
 use crate::out::{ExitStatus, Printer, refusal};
+use crate::shipped;
 
 pub(crate) fn run(args: &ImportSceneArgs, out: &Printer) -> Result<ExitStatus> {
+    args.bench.as_deref().map(shipped::require_own).transpose()?;
     let name = scene_name(args)?;
     let folder = args.out.clone().unwrap_or_else(|| space().capture(&name).root().to_owned());
     let capture = match args.masks_only {

@@ -11,6 +11,7 @@ use l4d_data::{Benchmark, Name};
 
 use crate::cli::judging::InitResultsArgs;
 use crate::out::{ExitStatus, Printer};
+use crate::shipped;
 
 pub(crate) fn run(args: &InitResultsArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.name)?;
@@ -39,7 +40,7 @@ pub(crate) fn run(args: &InitResultsArgs, out: &Printer) -> Result<ExitStatus> {
         dir.masks().display(),
         args.bench.join("queries").display()
     ));
-    let bench = if args.bench == Path::new("benchmark") {
+    let bench = if args.bench == Path::new(shipped::benchmark()) {
         String::new()
     } else {
         format!(" --bench {}", args.bench.display())

@@ -175,7 +175,9 @@ fn tell_what_is_next(endings: &[Ending<'_>], scene: &Name, folder: &Path, second
         ));
     }
     out.note("\nWhat to do next:");
-    out.note("  score a method of your own       README.md, \"Score your own method\"; needs no render");
+    out.note(format!(
+        "  score a method of your own       {program} init-results METHOD, then as in README.md; needs no render"
+    ));
     out.note(format!(
         "  the scenes at 256x192            {program} build-scenes --profile small --scenes {scene}"
     ));

@@ -7,8 +7,12 @@ use l4d_votes::measure;
 
 use crate::cli::annotation::VerdictArgs;
 use crate::out::{ExitStatus, Printer};
+use crate::shipped;
 
 pub(crate) fn run(args: &VerdictArgs, out: &Printer) -> Result<ExitStatus> {
+    if !args.unsealed && !args.check {
+        shipped::require_own(&args.bench)?;
+    }
     let bench = Benchmark::open(&args.bench)?;
     let judged = Judged::read(&args.rounds, &args.round, &bench)?;
     if !args.unsealed

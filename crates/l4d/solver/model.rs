@@ -15,11 +15,12 @@ use l4d_solve::grounders::Grounders;
 use crate::cli::models::ServerArgs;
 use crate::models::open_client;
 use crate::out::{Printer, refusal};
+use crate::shipped;
 
 /// Starts the segmenter, which gets the sentence itself, or what a model server makes of it.
 pub(super) fn open(path: &Path, server: &ServerArgs, work: &SharedWork, out: &Printer) -> Result<Grounders> {
     let file = GrounderFile::read(path).context("--grounder-file")?;
-    let launch = file.launch(path, |package| {
+    let launch = file.launch(path, shipped::workers(), |package| {
         let environment = Environment {
             requirements: package.join("requirements.txt"),
             kind_folder: work.worker_environments(),
