@@ -1,10 +1,12 @@
 //! The Python package `l4d`: loaded into Python and asked for the numbers that Rust has.
 //!
 //! The plain suite loads the library that cargo built for these tests; in the slow one a wheel is built, installed into
-//! a fresh environment and asked the same. What is asked is in `crates/l4d-py/tests/`.
+//! a fresh environment and asked the same. What is asked is in `crates/l4d-py/tests/`. The program and its folders are
+//! laid out as an installed wheel has them, and run where nothing else is.
 
 use std::collections::BTreeMap;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_SUFFIX};
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -27,7 +29,7 @@ use l4d_splat::view::View;
 use l4d_testing::{name, query, write_benchmark};
 use serde_json::json;
 
-use crate::support::{Dir, blender_python, copy, root, succeed};
+use crate::support::{Dir, Run, blender_python, copy, named, root, succeed};
 use crate::world;
 
 /// The picture that Python and Rust are compared on.
@@ -47,6 +49,64 @@ fn an_independent_evaluator_agrees_to_the_last_pixel() {
 }
 
 #[test]
+fn an_installed_program_finds_what_came_with_it() {
+    let place = installed();
+    let program = place.path("bin").join(format!("l4d{EXE_SUFFIX}"));
+    let shipped = place.tree("share");
+    let empty = Dir::new();
+    let run_in = |folder: &Dir, program: &Path, line: &str| -> Run {
+        let mut command = Command::new(program);
+        command.args(line.split_whitespace()).current_dir(folder.path(""));
+        command.env_clear().env("PATH", "/nonexistent").output().unwrap().into()
+    };
+    let run = |program: &Path, line: &str| run_in(&empty, program, line);
+    assert_eq!(run(&program, "--version").stdout.trim(), format!("l4d {}", env!("CARGO_PKG_VERSION")));
+    run(&program, "check-queries --scenes room_kitchen").says(0, &["room_kitchen"]);
+    run(&program, "baseline oracle --profile tiny --scenes room_kitchen").says(0, &[]);
+    run(&program, "score results --profile tiny --scenes room_kitchen").says(0, &["oracle"]);
+    let line = run(&program, "doctor --json").value();
+    let found = |name: &str| named(&line["doctor"], name)["found"].as_str().unwrap().to_owned();
+    let share = place.path("share/l4d").canonicalize().unwrap();
+    assert!(found("benchmark").contains("21 scenes"), "{}", found("benchmark"));
+    assert!(found("benchmark").contains(text(&share)), "{}", found("benchmark"));
+    // It has read what the environment has to hold.
+    assert!(found("python").contains("no Blender environment yet"), "{}", found("python"));
+
+    // A link is on the path where tools keep an environment for each program.
+    let link = empty.path("l4d");
+    std::os::unix::fs::symlink(&program, &link).unwrap();
+    run(&link, "check-queries --scenes room_kitchen").says(0, &["room_kitchen"]);
+
+    for line in [
+        "build-scenes --scenes room_kitchen --update-benchmark",
+        "build-scenes --scenes room_kitchen --profile full",
+        "verdict --round demo",
+    ] {
+        run(&program, line).refused(&["was installed with l4d and is not written to", "cp -r "]);
+    }
+    // uv that came with it makes the environment, on the path or not; this one makes nothing and says that it did.
+    std::os::unix::fs::symlink("/bin/true", place.path("bin/uv")).unwrap();
+    run(&program, "doctor --setup").refused(&["bin/python: cannot run"]);
+    assert!(place.tree("share") == shipped, "what was installed was changed");
+
+    // A benchmark of the working folder comes first.
+    let own = run_in(&Dir::with_benchmark(), &program, "check-queries --scenes room_kitchen");
+    own.refused(&["benchmark/panoptic-l4d.toml", "has no scene `room_kitchen`"]);
+}
+
+/// The program of these tests as a wheel puts it into an environment.
+fn installed() -> Dir {
+    let dir = Dir::new();
+    let lay_out = root().join("crates/l4d-py/wheel/contents.py");
+    let mut python = Command::new(blender_python());
+    python.args([text(&lay_out), env!("CARGO_BIN_EXE_l4d"), text(&dir.path("wheel"))]);
+    succeed(python.env("PYTHONDONTWRITEBYTECODE", "1"));
+    dir.rename("wheel/scripts", "bin");
+    dir.rename("wheel/data/share", "share");
+    dir
+}
+
+#[test]
 #[ignore = "slow: builds a wheel"]
 fn a_wheel_says_what_rust_says() {
     let dir = Dir::new();
@@ -55,15 +115,22 @@ fn a_wheel_says_what_rust_says() {
     // In the target folder of these tests and with their profile: most of what a wheel needs is there.
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap();
     let wheels = dir.path("wheels");
-    let mut maturin = Command::new(&build);
-    maturin.current_dir(root().join("crates/l4d-py")).env("CARGO_TARGET_DIR", target);
-    succeed(maturin.args(["-m", "maturin", "build", "--profile", "dev", "--out", text(&wheels)]));
+    let mut pip = Command::new(&build);
+    pip.args(["-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", text(&wheels)]);
+    pip.args(["--config-settings", "profile=dev"]);
+    pip.args(["--config-settings", concat!("program=", env!("CARGO_BIN_EXE_l4d"))]);
+    pip.env("CARGO_TARGET_DIR", target).env("PATH", path_with(build.parent().unwrap()));
+    succeed(pip.arg(root().join("crates/l4d-py")));
     let wheel = fs::read_dir(&wheels).unwrap().next().unwrap().unwrap().path();
     let name = wheel.file_name().unwrap().to_string_lossy().into_owned();
     assert!(name.contains("-cp39-abi3-"), "{name} is not for all versions of Python");
     let fresh = environment(&dir.path("fresh"), &["pytest", "mypy", text(&wheel)]);
     ask(&fresh, &world_folder(), None);
     check_types(&fresh, &dir);
+    let empty = Dir::new();
+    let mut program = Command::new(fresh.with_file_name(format!("l4d{EXE_SUFFIX}")));
+    program.args(["check-queries", "--scenes", "room_kitchen"]).current_dir(empty.path("")).env_clear();
+    succeed(&mut program);
 }
 
 /// What a type checker says of the example, and of the stub beside the module that it describes.
@@ -227,6 +294,13 @@ fn environment(folder: &Path, packages: &[&str]) -> PathBuf {
     install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
     succeed(install.args(packages));
     python
+}
+
+/// The variable PATH with a folder before all others: pip looks for the program of maturin there.
+fn path_with(folder: &Path) -> OsString {
+    let others = std::env::var_os("PATH").unwrap_or_default();
+    let folders = std::iter::once(folder.to_owned()).chain(std::env::split_paths(&others));
+    std::env::join_paths(folders).unwrap()
 }
 
 fn text(path: &Path) -> &str {
