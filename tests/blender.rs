@@ -17,7 +17,7 @@ use l4d_frames::exr::read_frame;
 use l4d_frames::frame::Frame;
 use serde_json::Value;
 
-use crate::support::{Run, blender_python, l4d, root, succeed};
+use crate::support::{Run, blender_python, files_below, l4d, root, succeed};
 
 const SCENE: &str = "tabletop_mouse_cups";
 /// The default of `quickstart`.
@@ -136,6 +136,7 @@ fn check_against_shipped_truth(bench: &Path) {
 #[test]
 fn a_killed_build_ends_with_the_same_bytes_and_a_torn_frame_is_rendered_again() {
     let build = Build::whole();
+    build.renders_parts_alone_and_then_the_rest();
     build.ends_with_the_same_bytes_after(3);
     build.renders_torn_frames_again_and_keeps_good_ones();
 }
@@ -159,6 +160,35 @@ impl Build {
         let (bench, data) = (bench_copy(folder.path()), folder.path().join("calm"));
         succeed(&mut build(&data, &bench, &[]));
         Self { folder, bench, data }
+    }
+
+    fn renders_parts_alone_and_then_the_rest(&self) {
+        let parted = self.folder.path().join("parted");
+        let (calm, dir) = (SceneDir::new(&self.data, SCENE), SceneDir::new(&parted, SCENE));
+        let camera = &Scene::read(&calm.scene()).unwrap().cameras[1].name;
+        let frames = || {
+            files_below(&dir.root().join("frames"))
+                .into_iter()
+                .filter(|path| is_frame(path))
+                .collect::<Vec<_>>()
+        };
+        let part = |more: &str| {
+            let words: Vec<&str> = ["--views", camera.as_str()].into_iter().chain(more.split(' ')).collect();
+            succeed(&mut build(&parted, &self.bench, &words))
+        };
+        let one = part("--frames 12");
+        assert!(one.contains("rendered 1 pictures"), "{one}");
+        assert!(one.contains(SCENE) && one.contains("still to be rendered"), "{one}");
+        assert_eq!(frames(), [dir.frame(camera, 12)]);
+        assert!(!dir.scene().exists());
+        // Of 0, 12, 24 the second shard has the second, which is there.
+        assert!(part("--frames 0-24 --shard 2/2").contains("rendered 0 pictures"));
+        assert!(part("--frames 0-24 --shard 1/2").contains("rendered 2 pictures"));
+        assert_eq!(frames().len(), 3);
+        let rest = succeed(&mut build(&parted, &self.bench, &[]));
+        let all = Profile::Tiny.frames().count() * (Profile::Tiny.training_views() + 1);
+        assert!(rest.contains(&format!("rendered {} pictures", all - 3)), "{rest}");
+        assert_same_build(&calm, &dir);
     }
 
     fn ends_with_the_same_bytes_after(&self, kills: u64) {
@@ -193,6 +223,10 @@ impl Build {
         assert_eq!(refused.status.code(), Some(2));
         assert!(String::from_utf8_lossy(&refused.stderr).contains("--overwrite"), "{refused:?}");
     }
+}
+
+fn is_frame(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "exr")
 }
 
 fn temporaries_are_hidden(data: &Path) -> bool {

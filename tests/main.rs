@@ -18,6 +18,7 @@ mod leaderboard;
 mod model_grounder;
 mod originals;
 mod page;
+mod parts;
 mod proposing;
 mod protocols;
 mod python;

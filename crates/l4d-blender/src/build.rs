@@ -6,10 +6,11 @@ use l4d_data::layout::BenchDir;
 use l4d_data::parallel::in_parallel;
 use l4d_data::store::sweep;
 use l4d_data::workspace::SharedWork;
-use l4d_data::{Name, Progress, Report, Shard, Workspace};
+use l4d_data::{Name, Progress, Report, Workspace};
 
 use crate::Result;
 use crate::env::BlenderEnv;
+use crate::part::Part;
 use crate::plan::{Recipe, plan};
 use crate::render::{PlannedScene, render};
 use crate::settle::{commit, commit_truth, settle};
@@ -37,8 +38,8 @@ pub struct Order<'a> {
     pub update_benchmark: bool,
     /// Blender processes at once.
     pub jobs: usize,
-    /// Which part of the pictures.
-    pub shard: Option<Shard>,
+    /// Which of the pictures.
+    pub part: &'a Part,
 }
 
 /// What was built.
@@ -48,7 +49,7 @@ pub struct Built {
     pub settled: Vec<PathBuf>,
     /// Pictures that this run rendered; none where only tracks were asked for.
     pub rendered: Option<u64>,
-    /// Scenes that other shards have not finished.
+    /// Scenes that lack pictures, of which only a part was asked for.
     pub unfinished: Vec<Name>,
 }
 
@@ -72,6 +73,7 @@ pub fn build(
     })?;
     let mut planned = Vec::new();
     for (recipe, plan) in recipes.into_iter().zip(plans) {
+        order.part.check(&plan.tracks, profile)?;
         commit(&order.bench.tracks(&recipe.scene), &plan.tracks, order.update_benchmark, report)?;
         let dir = order.space.scene(&recipe.scene);
         planned.push(PlannedScene::new(recipe, dir, plan, profile, order.samples));
@@ -80,11 +82,13 @@ pub fn build(
         return Ok(Built::default());
     }
     planned.iter().try_for_each(|scene| scene.claim(order.overwrite))?;
-    let rendered = Some(render(env, &planned, order.shard, order.jobs, order.work, progress)?);
-    if order.shard.is_some() {
-        let is_unfinished = |scene: &&PlannedScene| !scene.missing().is_empty();
-        let unfinished: Vec<Name> =
-            planned.iter().filter(is_unfinished).map(|scene| scene.recipe.scene.clone()).collect();
+    let rendered = Some(render(env, &planned, order.part, order.jobs, order.work, progress)?);
+    if !order.part.is_all() {
+        let unfinished: Vec<Name> = planned
+            .iter()
+            .filter(|scene| !scene.is_whole())
+            .map(|scene| scene.recipe.scene.clone())
+            .collect();
         if !unfinished.is_empty() {
             return Ok(Built { rendered, unfinished, settled: Vec::new() });
         }

@@ -6,6 +6,7 @@ pub mod arrange;
 pub mod build;
 pub mod compose;
 pub mod env;
+pub mod part;
 pub mod plan;
 pub mod python;
 mod render;

@@ -10,13 +10,14 @@ use l4d_data::layout::SceneDir;
 use l4d_data::parallel::in_parallel;
 use l4d_data::store::Temporary;
 use l4d_data::workspace::SharedWork;
-use l4d_data::{At as _, DataError, Name, Profile, Progress, Shard, StageError, json};
+use l4d_data::{At as _, DataError, Name, Profile, Progress, StageError, json};
 use l4d_frames::exr::read_frame;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
 use crate::env::BlenderEnv;
+use crate::part::Part;
 use crate::plan::{Plan, Recipe};
 use crate::worker::{self, WorkerEnd, WorkerEvent};
 
@@ -123,8 +124,15 @@ impl PlannedScene {
         Ok(())
     }
 
-    /// The pictures that are not on disk, or torn, or of another size.
-    pub(crate) fn missing(&self) -> Vec<Image> {
+    /// Whether every picture of the profile is on disk. What is torn is not, which takes reading them all; so the first
+    /// look is for files that are not there.
+    pub(crate) fn is_whole(&self) -> bool {
+        let is_there = |image: &Image| self.dir.frame(&image.view, image.frame).exists();
+        self.images().iter().all(is_there) && self.missing_of(self.images()).is_empty()
+    }
+
+    /// Those of some pictures that are not on disk, or torn, or of another size.
+    fn missing_of(&self, images: Vec<Image>) -> Vec<Image> {
         let size = UVec2::new(self.settings.profile.width(), self.settings.profile.height());
         let is_good = |image: &Image| read_frame(&self.dir.frame(&image.view, image.frame), size).is_ok();
         let views_without_card: Vec<&Name> = self
@@ -134,7 +142,7 @@ impl PlannedScene {
             .map(|camera| &camera.name)
             .filter(|view| !self.dir.view_card(view).exists())
             .collect();
-        self.images()
+        images
             .into_par_iter()
             .filter(|image| views_without_card.contains(&&image.view) || !is_good(image))
             .collect()
@@ -146,16 +154,20 @@ impl PlannedScene {
 pub(crate) fn render(
     env: &BlenderEnv,
     scenes: &[PlannedScene],
-    shard: Option<Shard>,
+    part: &Part,
     jobs: usize,
     work: &SharedWork,
     progress: &dyn Progress,
 ) -> Result<u64> {
     let jobs = jobs.max(1);
-    let missing = scenes.iter().map(|scene| of_shard(scene.missing(), shard, scene.settings.profile));
-    let open: Vec<(&PlannedScene, Vec<Image>)> =
-        scenes.iter().zip(missing).filter(|(_, images)| !images.is_empty()).collect();
-    let total = open.iter().map(|(_, images)| images.len() as u64).sum();
+    let mut open = Vec::new();
+    for scene in scenes {
+        let missing = scene.missing_of(part.of(scene.images(), scene.settings.profile)?);
+        if !missing.is_empty() {
+            open.push((scene, missing));
+        }
+    }
+    let total = open.iter().map(|(_, images): &(_, Vec<Image>)| images.len() as u64).sum();
     if total == 0 {
         return Ok(0);
     }
@@ -185,13 +197,6 @@ fn pieces(open: Vec<(&PlannedScene, Vec<Image>)>, jobs: usize) -> Vec<Piece<'_>>
         }
     }
     pieces
-}
-
-/// Shard i of n renders every n-th frame of the profile, so that the views of a frame stay together.
-fn of_shard(images: Vec<Image>, shard: Option<Shard>, profile: Profile) -> Vec<Image> {
-    let Some(Shard { index, count }) = shard else { return images };
-    let is_ours = |image: &Image| (image.frame / profile.stride()) as usize % count == index - 1;
-    images.into_iter().filter(is_ours).collect()
 }
 
 /// What the supervisors of workers share.
@@ -278,26 +283,5 @@ impl Workers<'_> {
             }
             !self.stop.load(Ordering::Relaxed)
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shards_partition_the_pictures_and_keep_frames_whole() {
-        let view = |name: &str| Name::new(name).unwrap();
-        let images: Vec<Image> = Profile::Small
-            .frames()
-            .flat_map(|frame| ["a", "b"].map(|name| Image { frame, view: view(name) }))
-            .collect();
-        let parts: Vec<Vec<Image>> = (1..=2)
-            .map(|index| of_shard(images.clone(), Some(Shard { index, count: 2 }), Profile::Small))
-            .collect();
-        let mut all: Vec<Image> = parts.concat();
-        all.sort();
-        assert_eq!(all, images);
-        assert!(parts.iter().all(|part| part.len() >= images.len() / 2 - 2 && part.len() % 2 == 0));
     }
 }

@@ -7,6 +7,7 @@ use l4d_data::benchmark::SetSplit;
 use l4d_data::{Scale, Shard};
 
 use l4d_blender::env::PythonChoice;
+use l4d_blender::part::FrameList;
 use l4d_data::workspace::SharedWork;
 
 use super::{BenchArgs, one_of};
@@ -66,7 +67,13 @@ pub(crate) struct BuildScenesArgs {
     /// Blender processes at once; each uses an equal part of the cores, two at least
     #[arg(long, default_value_t = 1)]
     pub(crate) jobs: usize,
-    /// Render part i of n of the pictures (a deterministic partition for clusters), e.g. 2/8
+    /// Only these views (comma-separated or repeated), by their names in the scene's cameras, e.g. cam02,cam09
+    #[arg(long, value_name = "NAME", value_delimiter = ',', conflicts_with = "tracks_only")]
+    pub(crate) views: Vec<String>,
+    /// Only these canonical frames, as far as the profile renders them, e.g. 0-24 or 0,12,48 or 0-48:4
+    #[arg(long, value_name = "RANGE", conflicts_with = "tracks_only")]
+    pub(crate) frames: Option<FrameList>,
+    /// Render part i of n of the pictures that are asked for (a deterministic partition for clusters), e.g. 2/8
     #[arg(long, value_name = "I/N")]
     pub(crate) shard: Option<Shard>,
     /// Samples per pixel of the colour pass, before denoising; 0 leaves pictures black and renders depth and ids alone,

@@ -3,9 +3,11 @@
 use anyhow::Result;
 use l4d_blender::build::{Order, build};
 use l4d_blender::env::{BlenderEnv, scripts_folder};
+use l4d_blender::part::Part;
 use l4d_blender::plan::recipes;
 use l4d_data::layout::BenchDir;
 use l4d_data::store::list_folder;
+use l4d_data::tracks::Tracks;
 use l4d_data::{Benchmark, Name, Profile, Report, Workspace};
 
 use crate::cli::scenes::BuildScenesArgs;
@@ -16,12 +18,14 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
     let profile = args.bench.profile;
     let scenes = chosen_scenes(args)?;
     require_nothing_new(args, &scenes)?;
+    let bench = BenchDir::new(&args.bench.bench);
+    let part = Part { views: args.views.clone(), frames: args.frames.clone(), shard: args.shard };
+    check_part(args, &part, &scenes, &bench)?;
     let choice = args.python.choice();
     let env = BlenderEnv::find_or_make(&choice, out)?;
     // A folder that is no benchmark yet becomes the benchmark's.
     let seed = Benchmark::open(&args.bench.bench).map(|bench| bench.manifest.seed).unwrap_or_default();
     let space = Workspace::new(profile).with_data(args.data.as_deref());
-    let bench = BenchDir::new(&args.bench.bench);
     let order = Order {
         scenes: &scenes,
         seed,
@@ -36,7 +40,7 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
         overwrite: args.overwrite,
         update_benchmark: args.update_benchmark,
         jobs: args.jobs,
-        shard: args.shard,
+        part: &part,
     };
     let mut report = Report::default();
     let built = build(&env, &order, out, &mut report)?;
@@ -46,7 +50,9 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
     }
     if !built.unfinished.is_empty() {
         let names = built.unfinished.iter().map(Name::as_str).collect::<Vec<_>>().join(", ");
-        out.note(format!("other shards are still at {names}; run once without --shard when all are done"));
+        out.note(format!(
+            "pictures of {names} are still to be rendered; run without --views, --frames and --shard for the rest"
+        ));
     }
     built.settled.iter().try_for_each(|folder| out.data(folder.display()))?;
     out.findings(report, false)
@@ -64,6 +70,16 @@ fn require_nothing_new(args: &BuildScenesArgs, scenes: &[Name]) -> Result<()> {
     } else {
         Ok(())
     }
+}
+
+/// Refuses views and frames that are not there before Blender is started, where the tracks of a scene are known. Tracks
+/// that are to be replaced say nothing of the scene.
+fn check_part(args: &BuildScenesArgs, part: &Part, scenes: &[Name], bench: &BenchDir) -> Result<()> {
+    let of_bench = scenes.iter().map(|scene| bench.tracks(scene)).filter(|path| path.exists());
+    for path in of_bench.filter(|_| !args.update_benchmark) {
+        part.check(&Tracks::read(&path)?, args.bench.profile)?;
+    }
+    Ok(())
 }
 
 /// The benchmark's scenes, or those asked for; new recipes need not be in the benchmark.
