@@ -37,6 +37,7 @@ const FORBIDDEN: &str = "
         l4d-gpu l4d-board wgpu polars plotters ratatui ureq
     l4d-release: l4d-frames l4d-query l4d-votes l4d-score l4d-solve l4d-splat l4d-import l4d-board exr \
         image polars plotters ratatui ureq
+    l4d-cluster: l4d-frames l4d-query l4d-votes l4d-score l4d-splat l4d-solve l4d-blender polars plotters ratatui ureq
     l4d-blender: l4d-query l4d-votes l4d-score l4d-splat l4d-solve polars plotters ratatui ureq
     l4d-experiments: l4d-gpu l4d-votes l4d-board wgpu polars plotters ratatui
     l4d-splat: l4d-gpu wgpu

@@ -7,6 +7,7 @@ mod annotation_tui;
 mod architecture;
 mod blender;
 mod blind;
+mod cluster;
 mod codes;
 mod endpoint;
 mod foreign;

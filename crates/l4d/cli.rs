@@ -1,6 +1,7 @@
 //! The grammar of the command line, and nothing else. What all groups of verbs share is here.
 
 pub(crate) mod annotation;
+pub(crate) mod cluster;
 pub(crate) mod interop;
 pub(crate) mod judging;
 pub(crate) mod models;
@@ -20,6 +21,7 @@ use serde::de::value::Error as ValueError;
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
 use self::annotation::{CheckQueriesArgs, OpenRoundArgs, StatsArgs, VerdictArgs, VerifyPromptsArgs};
+use self::cluster::ClusterCommand;
 use self::interop::{ExportArgs, ImportArgs, ImportSceneArgs};
 use self::judging::{BaselineArgs, CheckResultsArgs, InitResultsArgs, LeaderboardArgs, ScoreArgs};
 use self::models::{EndpointCommand, ProposePromptsArgs, ProposeScenesArgs};
@@ -121,6 +123,9 @@ pub(crate) enum Command {
     Bench(BenchCommand),
     /// Freeze a version of the benchmark: archives, tables, checksums, metadata, data sheet
     Release(ReleaseArgs),
+    /// Clusters: what the workflow needs to run on one
+    #[command(subcommand)]
+    Cluster(ClusterCommand),
     /// Write the benchmark in the form of a hosting platform
     #[command(subcommand)]
     Host(HostCommand),
@@ -135,6 +140,7 @@ impl Command {
             Self::Sheet(args) => Some(&args.bench),
             Self::Stats(args) => Some(&args.bench),
             Self::ProposePrompts(args) => Some(&args.bench),
+            Self::Cluster(ClusterCommand::Init(args)) => Some(&args.bench),
             _ => None,
         }
     }

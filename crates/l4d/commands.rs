@@ -8,6 +8,7 @@ mod build_scenes;
 mod check_queries;
 mod check_results;
 mod check_scenes;
+mod cluster;
 mod compose;
 mod doctor;
 mod endpoint;
@@ -86,6 +87,7 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::Leaderboard(_) => Err(not_built_in("tables, figures and the page of scores", "board")),
         Command::Bench(command) => bench::run(command, out),
         Command::Release(args) => release::run(args, out),
+        Command::Cluster(command) => cluster::run(command, out),
         Command::Host(command) => host::run(command, out),
     }
 }

@@ -1,5 +1,9 @@
 """What the workflow means to do: nothing is run."""
 
+import os
+import re
+import subprocess
+import sys
 import time
 
 import pytest
@@ -55,6 +59,23 @@ def test_kubernetes_is_planned_with_signs_in_place_of_files(tmp_path):
     # Planned only: there is no cluster.
     counts = job_counts(dry(tmp_path, engine="kubernetes", bench=DEV, profile="tiny", work=tmp_path / "work"))
     assert counts["total"] == 12 * 6 + 5
+
+
+@pytest.mark.parametrize("engine", ["slurm", "local", "kubernetes"])
+def test_what_cluster_init_writes_is_planned_as_it_was_estimated(tmp_path, l4d, engine):
+    init = [l4d, "cluster", "init", tmp_path / "cluster", "--engine", engine, "--profile", "full"]
+    scenes = ["--scenes", "room_office,tabletop_tea", "--runtime", "30"]
+    folders = [f"--{name}={tmp_path / name}" for name in ("data", "work", "results", "scores", "leaderboard")]
+    said = subprocess.run([*init, *scenes, *folders], cwd=ROOT, check=True, text=True, capture_output=True).stdout
+    (jobs,) = re.findall(r"^2 scenes at full: (\d+) jobs, 3298 pictures", said, re.MULTILINE)
+    plan = [sys.executable, "-m", "snakemake", "--workflow-profile", tmp_path / "cluster" / "profile"]
+    env = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    options = ["--dry-run", "--quiet", "rules"]
+    done = subprocess.run([*plan, *options], cwd=tmp_path, env=env, text=True, capture_output=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    counts = job_counts(done.stdout + done.stderr)
+    assert counts["total"] == int(jobs) + counts["all"]
+    assert counts["render"] == 2 * 20
 
 
 @pytest.mark.parametrize("wrong", [dict(profile="huge"), dict(start="end")])
