@@ -68,6 +68,8 @@ pub struct Settings<'a> {
     pub scenes: &'a [Name],
     /// Rendered scenes.
     pub data: PathBuf,
+    /// Pictures to learn from.
+    pub training: PathBuf,
     /// What can be remade.
     pub work: PathBuf,
     /// Results of methods.
@@ -126,7 +128,9 @@ impl Settings<'_> {
             ("render_blocks", estimate.render_blocks.to_string()),
             ("solve_blocks", estimate.solve_blocks.to_string()),
         ];
-        values.iter().try_fold(CONFIG.to_owned(), |text, (key, value)| with_value(&text, key, value))
+        let training = format!("  folder: {}", plain(&self.training)?);
+        let config = with_line(CONFIG, "  folder: data/training", &training)?;
+        values.iter().try_fold(config, |text, (key, value)| with_value(&text, key, value))
     }
 
     fn engine_profile(&self) -> Result<String> {
@@ -166,7 +170,8 @@ impl Settings<'_> {
         if let Some(account) = self.account {
             let line = format!("  - slurm_account={}", word("--account", account)?);
             text = with_line(&text, "  # - slurm_account=NAME", &line)?;
-            text = with_value(&text, "slurm-no-account", "false")?;
+            let lines = text.lines().filter(|line| !line.starts_with("slurm-no-account:"));
+            text = lines.map(|line| format!("{line}\n")).collect();
         }
         if !self.has_accounting {
             text.push_str(
@@ -269,6 +274,7 @@ mod tests {
             bench: at("benchmark"),
             scenes: &[],
             data: at("data"),
+            training: at("training"),
             work: at("work"),
             results: at("results"),
             scores: at("scores"),
@@ -292,7 +298,7 @@ mod tests {
         assert_eq!((slurm["executor"].as_str(), slurm["jobs"].as_u64()), (Some("slurm"), Some(40)));
         assert_eq!(
             (&slurm["slurm-no-account"], &slurm["slurm-status-command"]),
-            (&false.into(), &"squeue".into())
+            (&Value::Null, &"squeue".into())
         );
         let resources = slurm["default-resources"].as_sequence().unwrap();
         for resource in ["slurm_partition=long", "slurm_account=vision", "runtime=70"] {

@@ -118,6 +118,7 @@ fn settings<'a>(
         bench: absolute(&args.bench.bench)?,
         scenes: if args.bench.scenes.is_empty() { &[] } else { scenes },
         data: absolute(space.data())?,
+        training: absolute(Path::new("data/training"))?,
         work: absolute(&args.python.work)?,
         results: absolute(&args.results)?,
         scores: absolute(&args.scores)?,
