@@ -33,7 +33,7 @@ const TRAIN: &str = "train-splats ball --profile tiny --data data --gaussians 80
      --patience 0 --checkpoint-seconds 0.1";
 
 /// All that write more than a file and need no Blender, whose kills are in `blender`.
-pub(crate) static VERBS: [Verb; 17] = [
+pub(crate) static VERBS: [Verb; 18] = [
     quick("baseline", Dir::with_benchmark, "baseline --profile tiny"),
     quick("score", Dir::with_baselines, "score --profile tiny"),
     verb("leaderboard", scored, "leaderboard --profile tiny --html"),
@@ -49,6 +49,11 @@ pub(crate) static VERBS: [Verb; 17] = [
         "release",
         releasing::rendered,
         "release --date 2026-11-22 --url https://example.org/two --profile tiny",
+    ),
+    quick(
+        "download",
+        releasing::published,
+        "download release/two-0.1.0 --bench there/benchmark --data there/data --work there/work",
     ),
     verb("stats", releasing::rendered, "stats --profile tiny --output stats"),
     verb("train-splats", splats::scene, TRAIN),

@@ -1,17 +1,19 @@
 //! Releases: self-contained folders, the same bytes every time, honest about votes and versions.
 
+mod downloading;
 mod metadata;
 mod private;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
+use half::f16;
 use l4d_data::composition::Composition;
 use l4d_data::digest::sha256_file;
 use l4d_data::layout::SceneDir;
 use l4d_data::query::text_digest;
-use l4d_data::truth::frame_key;
-use l4d_data::{Benchmark, Name, Profile, Scale, json, sums};
+use l4d_data::{Benchmark, Camera, Name, Profile, Scale, json, sums};
+use l4d_frames::{Frame, Surfaces};
 use serde_json::{Value, json};
 
 use crate::annotation::{bench, opened, panel_votes};
@@ -42,36 +44,56 @@ fn check(dir: &Dir) -> Run {
     dir.run(format!("release --check {RELEASE} --json"))
 }
 
-/// Writes what `build-scenes` leaves of the scenes at `tiny`, with other bytes in the place of pictures: a release
-/// carries pictures, and looks into none.
+/// Writes what `build-scenes` leaves of the scenes at `tiny`, with pictures of slopes and stripes.
 fn write_renders(dir: &Dir) {
     let bench = Benchmark::open(dir.path("benchmark")).unwrap();
+    let data = dir.path("data/tiny");
     for name in &bench.manifest.scenes {
         let tracks = bench.tracks(name).unwrap();
-        let scene_dir = SceneDir::new(&dir.path("data/tiny"), name);
+        let scene_dir = SceneDir::new(&data, name);
         let scene = tracks.scene(Profile::Tiny, l4d_testing::generator());
-        let mut files = vec!["scene.json".to_owned(), "scene.usdc".to_owned(), "tracks.json".to_owned()];
-        for camera in &scene.cameras {
-            json::write(&scene_dir.view_card(&camera.name), &camera).unwrap();
-            for frame in Profile::Tiny.frames() {
-                let file = format!("frames/{}/{}.exr", camera.name, frame_key(frame));
-                std::fs::write(scene_dir.root().join(&file), format!("{name} {file}")).unwrap();
-                files.push(file);
-            }
-        }
-        json::write(&scene_dir.scene(), &scene).unwrap();
+        l4d_testing::write_scene(&data, scene, |camera, frame| Some(picture(camera, frame)));
         json::write_compact(&scene_dir.tracks(), &tracks).unwrap();
         std::fs::write(scene_dir.usd(), "usd").unwrap();
-        let digest = |file: String| (file.clone(), sha256_file(&scene_dir.root().join(file)).unwrap());
-        let listed: BTreeMap<String, String> = files.into_iter().map(digest).collect();
+        let mut listed = sums::read(&scene_dir.checksums()).unwrap();
+        for file in ["scene.usdc", "tracks.json"] {
+            listed.insert(file.to_owned(), sha256_file(&scene_dir.root().join(file)).unwrap());
+        }
         std::fs::write(scene_dir.checksums(), sums::to_text(&listed)).unwrap();
     }
+}
+
+/// Depths of many sizes, landmarks and objects, light of all strengths, some sky.
+fn picture(camera: &Camera, frame: u32) -> Frame {
+    let mut surfaces = Surfaces::empty(128, 96);
+    let mut rgb = Vec::new();
+    let shift = camera.name.bytes().map(u32::from).sum::<u32>() + frame;
+    for (pixel, number) in (0_u32..).take(surfaces.id.len()).enumerate() {
+        let (column, row) = (number % 128, number / 128);
+        if row > 8 {
+            surfaces.depth_m[pixel] = 40.0 / (row + shift % 7) as f32 + 0.003 * column as f32;
+            surfaces.id[pixel] = [0, 1, 2, 1001][((column + shift) / 16 % 4) as usize];
+        }
+        let light = |by: u32| f16::from_f32((column * by + row + shift) as f32 / 300.0);
+        rgb.push([light(1), light(2), f16::from_f32(0.002 * (row % 7) as f32)]);
+    }
+    Frame { surfaces, rgb }
 }
 
 /// A benchmark with its renders.
 pub(crate) fn rendered() -> Dir {
     let dir = bench();
     write_renders(&dir);
+    dir
+}
+
+/// A benchmark that was released with its renders, and a model of one scene.
+pub(crate) fn published() -> Dir {
+    let dir = rendered();
+    for (file, content) in [("manifest.json", "{}"), ("splats-1.safetensors", "numbers")] {
+        dir.write(&format!("work/tiny/room_living_cats/splats/{file}"), content);
+    }
+    released(&dir, "--profile tiny").says(0, &["renders of profile tiny, 1 trained model"]);
     dir
 }
 
@@ -102,9 +124,20 @@ fn a_release_is_self_contained() {
 
     // What comes out of the archives is what went in, and the verbs work on it.
     unpack(&dir);
-    for folder in ["benchmark", "data"] {
-        assert_eq!(dir.tree(&format!("elsewhere/{folder}")), dir.tree(folder), "{folder}");
-    }
+    assert_eq!(dir.tree("elsewhere/benchmark"), dir.tree("benchmark"));
+    let others = |name: &str| !name.ends_with(".exr") && !name.ends_with("SHA256SUMS");
+    let built: BTreeMap<String, Vec<u8>> =
+        dir.tree("data").into_iter().filter(|(name, _)| others(name)).collect();
+    let unpacked: BTreeMap<String, Vec<u8>> = dir.tree("elsewhere/data");
+    assert_eq!(unpacked, built);
+    // Samples are what WebDataset makes of names: the key up to the first dot, then the member.
+    let pictures = dir.tree("elsewhere/room_living_cats");
+    let members: BTreeSet<&str> = pictures.keys().map(|name| name.split_once('.').unwrap().1).collect();
+    assert_eq!(members, BTreeSet::from(["depth.png", "depth_rest.png", "ids.png", "json", "png"]));
+    let keys: BTreeSet<&str> = pictures.keys().map(|name| name.split_once('.').unwrap().0).collect();
+    assert_eq!(keys.len(), 5 * 9);
+    let card = dir.value("elsewhere/room_living_cats/cam00/0048.json");
+    assert_eq!((&card["schema"], &card["seconds"]), (&json!("l4d/sample/1"), &json!(2.0)));
     let checked = dir.json("check-queries --bench elsewhere/benchmark --profile tiny");
     assert_eq!(checked["scenes"], 2);
 }

@@ -25,7 +25,7 @@ use self::cluster::ClusterCommand;
 use self::interop::{ExportArgs, ImportArgs, ImportSceneArgs};
 use self::judging::{BaselineArgs, CheckResultsArgs, InitResultsArgs, LeaderboardArgs, ScoreArgs};
 use self::models::{EndpointCommand, ProposePromptsArgs, ProposeScenesArgs};
-use self::publishing::{HostCommand, ReleaseArgs};
+use self::publishing::{DownloadArgs, HostCommand, ReleaseArgs};
 use self::scenes::{
     ArrangeArgs, BuildScenesArgs, CheckScenesArgs, ComposeArgs, DoctorArgs, PythonArgs, SheetArgs,
 };
@@ -126,6 +126,8 @@ pub(crate) enum Command {
     /// Clusters: what the workflow needs to run on one
     #[command(subcommand)]
     Cluster(ClusterCommand),
+    /// Bring a release to where the verbs look: benchmark, pictures, trained models
+    Download(DownloadArgs),
     /// Write the benchmark in the form of a hosting platform
     #[command(subcommand)]
     Host(HostCommand),
@@ -160,7 +162,8 @@ impl Command {
             | Self::Solve(_)
             | Self::Ablate(_)
             | Self::Baseline(_)
-            | Self::Release(_) => Some("run the same command again: what is finished is kept"),
+            | Self::Release(_)
+            | Self::Download(_) => Some("run the same command again: what is finished is kept"),
             _ => Some("run the same command again: nothing is left half-written"),
         }
     }

@@ -11,6 +11,7 @@ mod check_scenes;
 mod cluster;
 mod compose;
 mod doctor;
+mod download;
 mod endpoint;
 mod export;
 mod host;
@@ -88,6 +89,7 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::Bench(command) => bench::run(command, out),
         Command::Release(args) => release::run(args, out),
         Command::Cluster(command) => cluster::run(command, out),
+        Command::Download(args) => download::run(args, out),
         Command::Host(command) => host::run(command, out),
     }
 }

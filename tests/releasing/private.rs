@@ -110,6 +110,7 @@ fn participants_get_no_answer() {
         );
     }
     assert!(secrets.len() > 25, "{secrets:?}");
+    assert!(!handed_out.keys().any(|file| file.ends_with(".tar")));
     for (file, bytes) in &handed_out {
         let hit =
             secrets.iter().find(|secret| bytes.windows(secret.len()).any(|part| part == secret.as_bytes()));
@@ -159,6 +160,22 @@ fn what_is_kept_is_whole_and_scores_what_comes_back() {
     dir.write(&sums, dir.read(&sums).replace("sentences/", "sentence/"));
     let found = dir.run(format!("release --check {RELEASE} --json"));
     found.says(1, &["L4D612", "L4D613"]);
+}
+
+#[test]
+fn the_verbs_go_on_with_what_was_downloaded() {
+    let (dir, _, _) = released();
+    let handed_out = dir.run(format!("download {RELEASE}/participants"));
+    handed_out.says(2, &["lists no release.json", "organiser/"]);
+    dir.succeed(format!("download {RELEASE} --bench there/benchmark --data there/data --work there/work"));
+    // Digests, checksums, tracks and truth of the scene hold for the frames that were made from the shards.
+    let at = "--profile tiny --bench there/benchmark --data there/data";
+    let checked = |at: &str| dir.run(format!("check-scenes {at} --json")).value();
+    let (built, downloaded) = (checked("--profile tiny"), checked(at));
+    assert_eq!(downloaded["findings"].as_array().unwrap().len(), built["findings"].as_array().unwrap().len());
+    assert_eq!(downloaded["scenes"], built["scenes"]);
+    dir.succeed("baseline oracle --profile tiny --bench there/benchmark");
+    dir.succeed("score results --profile tiny --bench there/benchmark");
 }
 
 #[test]

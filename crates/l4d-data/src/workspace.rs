@@ -97,6 +97,11 @@ impl SharedWork {
         self.0.join("bench").join(topic)
     }
 
+    /// `download`: files of releases on their way, and what became of them.
+    pub fn downloads(&self) -> PathBuf {
+        self.0.join("download")
+    }
+
     /// `endpoints.json`: how models write boxes.
     pub fn endpoints(&self) -> PathBuf {
         self.0.join("endpoints.json")

@@ -96,7 +96,14 @@ pub fn decode_depth_png(bytes: &[u8], width: u32, height: u32) -> Result<Vec<f32
     Ok(picture.iter().map(metres).collect())
 }
 
-fn encode(width: u32, height: u32, colour: png::ColorType, depth: png::BitDepth, samples: &[u8]) -> Vec<u8> {
+/// The same samples give the same bytes.
+pub(crate) fn encode(
+    width: u32,
+    height: u32,
+    colour: png::ColorType,
+    depth: png::BitDepth,
+    samples: &[u8],
+) -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width, height);
     encoder.set_color(colour);

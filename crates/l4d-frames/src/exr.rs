@@ -129,7 +129,11 @@ pub fn read_bytes(path: &Path, size: UVec2) -> Result<Vec<u8>, FrameError> {
     read_bounded(path, limit as u64).map_err(|error| FrameError::new(FrameError::TORN, error))
 }
 
-fn decode_frame(path: &Path, bytes: &[u8], size: UVec2) -> Result<Frame, FrameError> {
+/// [`read_frame`] on bytes that were read from `path`.
+///
+/// # Errors
+/// Bytes that are no frame of that size.
+pub fn decode_frame(path: &Path, bytes: &[u8], size: UVec2) -> Result<Frame, FrameError> {
     let (surfaces, colour) = decode(path, bytes, size, FRAME.channels.len())?;
     Ok(Frame { surfaces, rgb: pixels(&colour) })
 }
@@ -159,7 +163,11 @@ pub fn write_frame(path: &Path, frame: &Frame) -> Result<(), DataError> {
     write_atomic(path, &encode_frame(path, frame)?)
 }
 
-fn encode_frame(path: &Path, frame: &Frame) -> Result<Vec<u8>, DataError> {
+/// A frame as the bytes of an EXR file; `path` is where they will be.
+///
+/// # Errors
+/// A channel that has not one value per pixel.
+pub fn encode_frame(path: &Path, frame: &Frame) -> Result<Vec<u8>, DataError> {
     let colour = |index: usize| FlatSamples::F16(frame.rgb.iter().map(|pixel| pixel[index]).collect());
     let Surfaces { width, height, depth_m, id } = &frame.surfaces;
     let samples =

@@ -18,6 +18,7 @@ pub mod overlay;
 pub mod photo;
 pub mod preview;
 mod quantiles;
+pub mod sample;
 pub mod sheet;
 pub mod targets;
 pub mod text;

@@ -5,7 +5,7 @@
 
 use std::fs::File;
 use std::io::{self, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use l4d_data::DataError;
 use l4d_data::digest::RunningDigest;
@@ -22,46 +22,69 @@ use crate::gather::Source;
 pub fn write(path: &Path, files: &[Source], progress: &(dyn Fn(u64) + Sync)) -> Result<(), DataError> {
     let mut sorted: Vec<&Source> = files.iter().collect();
     sorted.sort_by(|a, b| a.name.cmp(&b.name));
-    let mut archive = Builder::new(Sink(AtomicFile::create(path)?));
-    let append_all = move || {
-        sorted.into_iter().try_for_each(|source| append(&mut archive, source, progress))?;
-        archive.into_inner()
-    };
-    let sink = append_all().map_err(|error| match error.downcast::<DataError>() {
-        Ok(refusal) => refusal,
-        Err(source) => DataError::io(path, "write", source),
-    })?;
-    sink.0.commit()
+    let mut archive = Archive::create(path)?;
+    sorted.into_iter().try_for_each(|source| archive.append(source, progress))?;
+    archive.commit()
 }
 
-/// Appends a file; an error may hold a [`DataError`].
-fn append(archive: &mut Builder<Sink>, source: &Source, progress: &(dyn Fn(u64) + Sync)) -> io::Result<()> {
-    let refuse = |message: &str| {
-        let remedy = "nothing may change while a release is made: run `l4d check-scenes`, then run it again";
-        Err(io::Error::other(DataError::invalid(&source.path, "bytes", message, remedy)))
-    };
-    let file = File::open(&source.path)
-        .map_err(|error| io::Error::other(DataError::io(&source.path, "open", error)))?;
-    let mut reader = Watched { file, digest: RunningDigest::default(), bytes: 0, progress };
+/// An archive on its way.
+pub(crate) struct Archive {
+    path: PathBuf,
+    builder: Builder<Sink>,
+}
+
+impl Archive {
+    /// Starts one; it appears when it is committed.
+    pub(crate) fn create(path: &Path) -> Result<Self, DataError> {
+        Ok(Self { path: path.to_owned(), builder: Builder::new(Sink(AtomicFile::create(path)?)) })
+    }
+
+    /// Appends a file from memory.
+    pub(crate) fn add(&mut self, name: &str, bytes: &[u8]) -> Result<(), DataError> {
+        header(name, bytes.len() as u64)
+            .and_then(|header| self.builder.append(&header, bytes))
+            .map_err(|source| DataError::io(&self.path, "write", source))
+    }
+
+    /// Appends a file from the disk.
+    fn append(&mut self, source: &Source, progress: &(dyn Fn(u64) + Sync)) -> Result<(), DataError> {
+        let file = File::open(&source.path).map_err(|error| DataError::io(&source.path, "open", error))?;
+        let mut reader = Watched { file, digest: RunningDigest::default(), bytes: 0, progress };
+        // What the file has more or less than its header says would shift all that follows.
+        let rest = header(&source.name, source.bytes)
+            .and_then(|header| self.builder.append(&header, (&mut reader).take(source.bytes)))
+            .and_then(|()| io::copy(&mut reader, &mut io::sink()))
+            .map_err(|error| DataError::io(&self.path, "write", error))?;
+        if rest > 0 || reader.bytes != source.bytes || reader.digest.hex() != source.sha256 {
+            return Err(changed(&source.path));
+        }
+        Ok(())
+    }
+
+    /// Puts it in place.
+    pub(crate) fn commit(self) -> Result<(), DataError> {
+        let path = self.path;
+        self.builder.into_inner().map_err(|source| DataError::io(&path, "write", source))?.0.commit()
+    }
+}
+
+/// The refusal of a file that changed since it was listed.
+pub(crate) fn changed(path: &Path) -> DataError {
+    let remedy = "nothing may change while a release is made: run `l4d check-scenes`, then run it again";
+    DataError::invalid(path, "bytes", "are not those of its digest", remedy)
+}
+
+fn header(name: &str, bytes: u64) -> io::Result<Header> {
     let mut header = Header::new_ustar();
-    header.set_path(&source.name)?;
+    header.set_path(name)?;
     header.set_entry_type(EntryType::Regular);
     header.set_mode(0o644);
     header.set_uid(0);
     header.set_gid(0);
     header.set_mtime(0);
-    header.set_size(source.bytes);
+    header.set_size(bytes);
     header.set_cksum();
-    archive.append(&header, (&mut reader).take(source.bytes))?;
-    // What the file has more or less than its header says would shift all that follows.
-    let rest = io::copy(&mut reader, &mut io::sink())?;
-    if rest > 0 || reader.bytes != source.bytes {
-        return refuse("are more or fewer than a moment ago");
-    }
-    if reader.digest.hex() != source.sha256 {
-        return refuse("are not those of its digest");
-    }
-    Ok(())
+    Ok(header)
 }
 
 /// A file that is digested while it is read.
@@ -98,8 +121,6 @@ impl Write for Sink {
 
 #[cfg(test)]
 mod tests {
-    use std::path::PathBuf;
-
     use super::*;
 
     fn sources(folder: &Path, names: &[&str]) -> Vec<Source> {

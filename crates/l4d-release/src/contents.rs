@@ -15,6 +15,7 @@ use serde_json::Value;
 use crate::day::Day;
 use crate::gather::{Gathered, SceneFacts, Source};
 use crate::renders::Renders;
+use crate::splats::Splats;
 use crate::votes::{Round, Votes};
 
 /// Schema tag of `release.json`.
@@ -94,6 +95,9 @@ pub struct RenderContents {
     pub profile: Profile,
     /// Scene -> SHA-256 over the names and digests of its files.
     pub scenes: BTreeMap<Name, String>,
+    /// Scene -> the same of its trained model, where there is one.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub splats: BTreeMap<Name, String>,
 }
 
 impl Contents {
@@ -101,7 +105,7 @@ impl Contents {
     pub(crate) fn of(
         gathered: &Gathered,
         votes: &Votes,
-        renders: Option<&Renders>,
+        renders: Option<(&Renders, &Splats)>,
         publication: &Publication,
     ) -> Self {
         let files = gathered.all_files().chain(&votes.files);
@@ -118,9 +122,10 @@ impl Contents {
                 .collect(),
             rounds: votes.rounds.clone(),
             files: files.map(|file| (file.name.clone(), file.sha256.clone())).collect(),
-            renders: renders.map(|renders| RenderContents {
+            renders: renders.map(|(renders, splats)| RenderContents {
                 profile: renders.profile,
-                scenes: renders.scenes.iter().map(|(name, files)| (name.clone(), digest_of(files))).collect(),
+                scenes: digests(renders.scenes.iter().map(|(name, rendered)| (name, &rendered.files))),
+                splats: digests(splats),
             }),
         }
     }
@@ -153,6 +158,10 @@ impl Contents {
     pub fn folder(&self) -> String {
         format!("{}-{}", slug(&self.name), self.version)
     }
+}
+
+fn digests<'a>(files: impl IntoIterator<Item = (&'a Name, &'a Vec<Source>)>) -> BTreeMap<Name, String> {
+    files.into_iter().map(|(name, files)| (name.clone(), digest_of(files))).collect()
 }
 
 /// A title as the name of a folder: small letters, digits, hyphens.

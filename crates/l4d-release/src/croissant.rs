@@ -110,8 +110,18 @@ fn distribution(files: &BTreeMap<String, (String, u64)>) -> Vec<Value> {
 fn inside(archive: &str) -> Vec<(&'static str, &'static str, &'static str)> {
     match archive {
         _ if archive.starts_with("archives/renders/") => vec![
-            ("frames", "data/*/*/frames/*/*.exr", "image/x-exr"),
             ("scene", "data/*/*/scene.json", "application/json"),
+            ("views", "data/*/*/frames/*/view.json", "application/json"),
+        ],
+        _ if archive.starts_with("archives/splats/") => {
+            vec![("model", "work/*/*/splats/*.safetensors", "application/octet-stream")]
+        }
+        _ if archive.starts_with("shards/") => vec![
+            ("colour", "*/*/[0-9]*[0-9].png", "image/png"),
+            ("depth", "*/*/*.depth.png", "image/png"),
+            ("depth_rest", "*/*/*.depth_rest.png", "image/png"),
+            ("ids", "*/*/*.ids.png", "image/png"),
+            ("cameras", "*/*/*.json", "application/json"),
         ],
         _ if archive.starts_with("archives/scenes/") => vec![
             ("tracks", "benchmark/scenes/*.json", "application/json"),
@@ -144,7 +154,11 @@ fn about(file: &str) -> &'static str {
             "A scene: tracks, queries and truth, as `l4d` reads them."
         }
         _ if file.starts_with("archives/renders/") => {
-            "Renders of a scene: colour, depth and instance ids of all views."
+            "A rendered scene without its pictures: description, stage, tracks, cards of the views."
+        }
+        _ if file.starts_with("archives/splats/") => "A trained 4D Gaussian splatting model of a scene.",
+        _ if file.starts_with("shards/") => {
+            "Pictures of a scene and split in the layout of WebDataset: colour, depth, ids, cameras and time."
         }
         _ if file.starts_with("tables/") => "A table, one JSON object a line.",
         _ => "About this release.",

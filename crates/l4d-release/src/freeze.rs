@@ -20,6 +20,8 @@ use crate::inspect::digest_all;
 use crate::participants::{Draw, Handout};
 use crate::parts::{ORGANISER, PARTICIPANTS, home, parts};
 use crate::renders::{self, Renders};
+use crate::shards::{self, Encode, Shard};
+use crate::splats::{self, Splats};
 use crate::version::{self, Change, changes};
 use crate::votes::{self, Votes};
 use crate::{archive, codes, croissant, tables, words};
@@ -33,6 +35,8 @@ pub struct ReleaseOptions<'a> {
     pub votes: &'a Votes,
     /// Folder and profile of renders that go into it.
     pub renders: Option<(&'a Path, Profile)>,
+    /// Folder of trained models of that profile: those that exist go into it.
+    pub work: &'a Path,
     /// An earlier release that the version is compared with.
     pub since: Option<&'a Path>,
     /// Folder of all releases.
@@ -54,6 +58,7 @@ pub struct Plan {
     pub is_there: bool,
     gathered: Gathered,
     archives: Vec<Archive>,
+    shards: Vec<Shard>,
     handout: Option<Handout>,
 }
 
@@ -91,16 +96,24 @@ pub fn plan(order: &ReleaseOptions<'_>, report: &mut Report) -> Result<Plan, Dat
     let handout = Handout::of(order.bench, &gathered, order.renders, report)?;
     let renders = order.renders.map(|(data, profile)| {
         let rendered = gathered.scenes.iter().filter(|scene| scene.tracks.is_some()).map(|scene| &scene.name);
-        renders::list(data, profile, order.bench, rendered, report)
+        let splats = splats::list(order.work, profile, rendered.clone(), report);
+        (renders::list(data, profile, order.bench, rendered, report), splats)
     });
-    let contents = Contents::of(&gathered, order.votes, renders.as_ref(), order.publication);
+    let there = renders.as_ref().map(|(renders, splats)| (renders, splats));
+    let contents = Contents::of(&gathered, order.votes, there, order.publication);
     let before = order.since.map(|since| Contents::read(&home(since))).transpose()?;
     let changes = before.as_ref().map(|before| changes(before, &contents)).unwrap_or_default();
     version::check(&order.bench.dir.manifest(), &contents, before.as_ref(), &changes, report);
     let folder = order.out.join(contents.folder());
     let is_there = folder.exists() && is_same(&folder, &contents, report);
-    let archives = archives(&gathered, order.votes, renders);
-    Ok(Plan { contents, changes, folder, is_there, gathered, archives, handout })
+    let rendered = || renders.iter().flat_map(|(renders, _)| renders.scenes.values());
+    let shards = rendered()
+        .flat_map(|one| {
+            shards::shards(&one.scene, shards::MOST_BYTES, |camera, frame| one.picture(camera, frame))
+        })
+        .collect();
+    let archives = archives(&gathered, order.votes, renders.as_ref());
+    Ok(Plan { contents, changes, folder, is_there, gathered, archives, shards, handout })
 }
 
 /// Whether the release exists already; one with other contents is a finding: what was published stays.
@@ -123,7 +136,7 @@ fn is_same(folder: &Path, contents: &Contents, report: &mut Report) -> bool {
     false
 }
 
-fn archives(gathered: &Gathered, votes: &Votes, renders: Option<Renders>) -> Vec<Archive> {
+fn archives(gathered: &Gathered, votes: &Votes, renders: Option<&(Renders, Splats)>) -> Vec<Archive> {
     let mut archives =
         vec![Archive { path: "archives/benchmark.tar".to_owned(), files: gathered.files.clone() }];
     if !votes.files.is_empty() {
@@ -133,10 +146,14 @@ fn archives(gathered: &Gathered, votes: &Votes, renders: Option<Renders>) -> Vec
         path: format!("archives/scenes/{}.tar", scene.name),
         files: scene.files.clone(),
     }));
-    if let Some(Renders { profile, scenes }) = renders {
-        archives.extend(scenes.into_iter().map(|(scene, files)| Archive {
+    if let Some((Renders { profile, scenes }, splats)) = renders {
+        archives.extend(scenes.iter().map(|(scene, rendered)| Archive {
             path: format!("archives/renders/{profile}/{scene}.tar"),
-            files,
+            files: rendered.others(),
+        }));
+        archives.extend(splats.iter().map(|(scene, files)| Archive {
+            path: format!("archives/splats/{profile}/{scene}.tar"),
+            files: files.clone(),
         }));
     }
     archives
@@ -145,7 +162,8 @@ fn archives(gathered: &Gathered, votes: &Votes, renders: Option<Renders>) -> Vec
 impl Plan {
     /// Bytes that will be read and digested: the length of a progress bar.
     pub fn work_bytes(&self) -> u64 {
-        2 * self.archives.iter().flat_map(|archive| &archive.files).map(|file| file.bytes).sum::<u64>()
+        let archives = self.archives.iter().flat_map(|archive| &archive.files).map(|file| file.bytes);
+        2 * archives.chain(self.shards.iter().map(Shard::source_bytes)).sum::<u64>()
     }
 
     /// The folder of what participants get, if not everything is published.
@@ -166,11 +184,23 @@ impl Plan {
     }
 }
 
-/// Makes the release; `draw` is asked for the pictures of a private test, `progress` gets bytes.
+/// How pictures are drawn, which is for the caller to say.
+pub struct Pictures<'a> {
+    /// What participants of a private test see of a scene.
+    pub draw: Draw<'a>,
+    /// The sample that a frame becomes.
+    pub encode: Encode<'a>,
+}
+
+/// Makes the release; `progress` gets bytes.
 ///
 /// # Errors
 /// If another run makes a release there, or a file cannot be read or written, or changed since the plan.
-pub fn freeze(plan: &Plan, draw: Draw<'_>, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, DataError> {
+pub fn freeze(
+    plan: &Plan,
+    pictures: &Pictures<'_>,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Released, DataError> {
     if plan.is_there {
         return Released::read(&plan.folder);
     }
@@ -178,10 +208,15 @@ pub fn freeze(plan: &Plan, draw: Draw<'_>, progress: &(dyn Fn(u64) + Sync)) -> R
     let _lock = FolderLock::take(staging.parent().unwrap_or(Path::new(".")))?;
     let home = if plan.handout.is_some() { staging.join(ORGANISER) } else { staging.clone() };
     enter(&staging, &home, &plan.contents)?;
-    let documents = write_all(plan, &home, progress)?;
+    let documents = write_all(plan, &home, pictures.encode, progress)?;
     if let Some(handout) = &plan.handout {
         let folder = staging.join(PARTICIPANTS);
-        handout.write(&folder, (&plan.gathered, &documents, plan.licence()?.as_deref()), draw, progress)?;
+        handout.write(
+            &folder,
+            (&plan.gathered, &documents, plan.licence()?.as_deref()),
+            pictures.draw,
+            progress,
+        )?;
     }
     fs::rename(&staging, &plan.folder)
         .map_err(|source| DataError::io(&plan.folder, "move the release to", source))?;
@@ -193,7 +228,19 @@ pub fn freeze(plan: &Plan, draw: Draw<'_>, progress: &(dyn Fn(u64) + Sync)) -> R
 }
 
 /// Writes archives, tables, documents and sums into a folder.
-fn write_all(plan: &Plan, home: &Path, progress: &(dyn Fn(u64) + Sync)) -> Result<Documents, DataError> {
+fn write_all(
+    plan: &Plan,
+    home: &Path,
+    encode: Encode<'_>,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Documents, DataError> {
+    for shard in &plan.shards {
+        let path = home.join(&shard.path);
+        match path.exists() {
+            true => progress(shard.source_bytes()),
+            false => shard.write(&path, encode, progress)?,
+        }
+    }
     plan.archives.par_iter().try_for_each(|archive| {
         let path = home.join(&archive.path);
         match path.exists() {
@@ -213,7 +260,11 @@ fn write_all(plan: &Plan, home: &Path, progress: &(dyn Fn(u64) + Sync)) -> Resul
         let path = home.join(&archive.path);
         Ok((archive.path.as_str(), size_of(&path)?, archive.files.len()))
     });
-    let sizes = sizes.collect::<Result<_, DataError>>()?;
+    let shards = plan
+        .shards
+        .iter()
+        .map(|shard| Ok((shard.path.as_str(), size_of(&home.join(&shard.path))?, shard.len())));
+    let sizes = sizes.chain(shards).collect::<Result<_, DataError>>()?;
     let documents = Documents::new(&plan.contents, &plan.gathered, &words, &tables, sizes);
     for (name, text) in documents.render()? {
         write_atomic(&home.join(name), text.as_bytes())?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use l4d_data::layout::SceneDir;
 use l4d_data::scene::Scene;
 use l4d_data::truth::frame_key;
-use l4d_data::{Benchmark, DataError, Draw, Name, Profile, Report, sums};
+use l4d_data::{Benchmark, Camera, DataError, Draw, Name, Profile, Report, sums};
 
 use crate::codes;
 use crate::gather::Source;
@@ -16,8 +16,31 @@ use crate::gather::Source;
 pub struct Renders {
     /// What was rendered.
     pub profile: Profile,
-    /// Scene -> its files, sorted.
-    pub scenes: BTreeMap<Name, Vec<Source>>,
+    /// The scenes.
+    pub scenes: BTreeMap<Name, Rendered>,
+}
+
+/// A rendered scene.
+#[derive(Debug, Clone)]
+pub struct Rendered {
+    /// What was rendered.
+    pub scene: Scene,
+    /// Its files, sorted.
+    pub files: Vec<Source>,
+}
+
+impl Rendered {
+    /// The file of a picture.
+    pub(crate) fn picture(&self, camera: &Camera, frame: u32) -> Option<Source> {
+        let name = format!("/frames/{}/{}.exr", camera.name, frame_key(frame));
+        self.files.iter().find(|file| file.name.ends_with(&name)).cloned()
+    }
+
+    /// All files but pictures, and the list of what they were.
+    pub(crate) fn others(&self) -> Vec<Source> {
+        let is_other = |file: &&Source| !file.name.ends_with(".exr") && !file.name.ends_with("/SHA256SUMS");
+        self.files.iter().filter(is_other).cloned().collect()
+    }
 }
 
 /// How many missing files a finding names.
@@ -36,7 +59,8 @@ pub fn list<'a>(
         let files =
             bench.draw_of(name).and_then(|draw| scene(&SceneDir::new(data, name), profile, draw, report));
         match files {
-            Ok(files) => drop(found.insert(name.clone(), files)),
+            Ok(Some(rendered)) => drop(found.insert(name.clone(), rendered)),
+            Ok(None) => {}
             Err(error) => report.data_error(codes::RENDERS, &error),
         }
     }
@@ -48,7 +72,7 @@ fn scene(
     profile: Profile,
     draw: Draw,
     report: &mut Report,
-) -> Result<Vec<Source>, DataError> {
+) -> Result<Option<Rendered>, DataError> {
     let path = dir.scene();
     let remedy = format!("run `l4d build-scenes --profile {profile}`, which goes on where it was");
     if !path.exists() {
@@ -84,7 +108,7 @@ fn scene(
         let message =
             format!("lacks {} of {} files, or their digests: {named}{more}", missing.len(), wanted.len());
         report.error(codes::RENDERS, dir.root(), "files", message, remedy);
-        return Ok(Vec::new());
+        return Ok(None);
     }
     let views = scene.cameras.len();
     if views != profile.training_views() + 1 {
@@ -104,5 +128,5 @@ fn scene(
     }
     files.push(Source::read(format!("{prefix}/SHA256SUMS"), dir.checksums())?);
     files.sort_by(|a, b| a.name.cmp(&b.name));
-    Ok(files)
+    Ok(Some(Rendered { scene, files }))
 }

@@ -55,9 +55,10 @@ pub fn changes(before: &Contents, now: &Contents) -> Vec<Change> {
         }
     }
     let renders = |contents: &Contents| contents.renders.as_ref().map(|renders| renders.profile);
+    let renders_of = |contents: &Contents| contents.renders.as_ref().map(|renders| renders.scenes.clone());
     match (renders(before), renders(now)) {
         (old, new) if old == new => {
-            if before.renders != now.renders {
+            if renders_of(before) != renders_of(now) {
                 add(Step::Patch, "renders differ".to_owned());
             }
         }
@@ -66,6 +67,12 @@ pub fn changes(before: &Contents, now: &Contents) -> Vec<Change> {
                 .for_each(|old| add(Step::Major, format!("renders of profile {old} were removed")));
             new.into_iter().for_each(|new| add(Step::Minor, format!("renders of profile {new} were added")));
         }
+    }
+    let splats = |contents: &Contents| {
+        contents.renders.as_ref().map(|renders| renders.splats.clone()).unwrap_or_default()
+    };
+    if splats(before) != splats(now) {
+        add(Step::Patch, "trained models were added, changed or removed".to_owned());
     }
     let listed = |contents: &Contents| (contents.name.clone(), contents.licence.clone());
     if listed(before) != listed(now) {
@@ -257,7 +264,8 @@ mod tests {
         let with = |profile: Option<Profile>, digest: &str| {
             let scenes = BTreeMap::from([(Name::new("a").unwrap(), digest.to_owned())]);
             let mut contents = contents("0.2.0");
-            contents.renders = profile.map(|profile| RenderContents { profile, scenes });
+            contents.renders =
+                profile.map(|profile| RenderContents { profile, scenes, splats: BTreeMap::new() });
             contents
         };
         let steps = |before: &Contents, now: &Contents| -> Vec<Step> {

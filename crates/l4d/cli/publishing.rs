@@ -1,11 +1,12 @@
-//! Grammar of the verbs that publish: release, host.
+//! Grammar of the verbs that publish and fetch what was published: release, download, host.
 
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use l4d_data::Profile;
 use l4d_data::results::Track;
+use l4d_data::{Profile, Split};
 use l4d_release::Day;
+use l4d_release::download::Part;
 
 use super::{one_of, rendered};
 use crate::shipped;
@@ -30,6 +31,9 @@ pub(crate) struct ReleaseArgs {
     /// Folder of the rendered scenes; default: data/<profile>
     #[arg(long, value_name = "DIR", requires = "profile")]
     pub(crate) data: Option<PathBuf>,
+    /// Folder of trained models: <DIR>/<profile>/<scene>/splats, those that exist
+    #[arg(long, value_name = "DIR", default_value = "work")]
+    pub(crate) work: PathBuf,
     /// An earlier release: refuse a version that doesn't say what changed since
     #[arg(long, value_name = "RELEASE")]
     pub(crate) since: Option<PathBuf>,
@@ -42,6 +46,37 @@ pub(crate) struct ReleaseArgs {
     /// Check a release instead: sums, missing, extra and altered files
     #[arg(long, value_name = "RELEASE", conflicts_with_all = ["date", "url", "profile", "data", "since"])]
     pub(crate) check: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DownloadArgs {
+    /// Folder or http(s) address of a release: what holds its SHA256SUMS
+    #[arg(value_name = "BASE")]
+    pub(crate) base: String,
+    /// Scenes (comma-separated); default: all of the release
+    #[arg(long, value_name = "SCENES", value_delimiter = ',')]
+    pub(crate) scenes: Vec<String>,
+    /// Splits of the pictures: train,test; test is the held-out view
+    #[arg(long, value_name = "SPLITS", value_delimiter = ',', value_parser = one_of::<Split>(["train", "test"]))]
+    pub(crate) splits: Vec<Split>,
+    /// Parts of the release: benchmark,colour,depth,ids,splats,tables; default: all that it has
+    #[arg(long, value_name = "PARTS", value_delimiter = ',', value_parser = one_of::<Part>(Part::NAMES))]
+    pub(crate) parts: Vec<Part>,
+    /// Folder that receives scenes; default: data/<profile>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Folder that receives trained models, and what is on its way
+    #[arg(long, value_name = "DIR", default_value = "work")]
+    pub(crate) work: PathBuf,
+    /// Folder that receives the benchmark
+    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    pub(crate) bench: PathBuf,
+    /// Compare what was downloaded with its digests; fetch lists alone
+    #[arg(long)]
+    pub(crate) verify_only: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

@@ -6,8 +6,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use anyhow::Result;
 use l4d_data::layout::SceneDir;
 use l4d_data::{Benchmark, Progress as _, Report, Status, Workspace};
+use l4d_frames::sample;
 use l4d_import::handout;
-use l4d_release::{Plan, ReleaseOptions, freeze, inspect, plan};
+use l4d_release::{Pictures, Plan, ReleaseOptions, freeze, inspect, plan};
 use serde_json::json;
 
 use crate::cli::publishing::ReleaseArgs;
@@ -34,6 +35,7 @@ fn make(args: &ReleaseArgs, out: &Printer) -> Result<ExitStatus> {
         bench: &bench,
         votes: &votes,
         renders: renders.as_ref().map(|space| (space.data(), space.profile())),
+        work: &args.work,
         since: args.since.as_deref(),
         out: &args.out,
         publication: &publication,
@@ -46,7 +48,8 @@ fn make(args: &ReleaseArgs, out: &Printer) -> Result<ExitStatus> {
     let meter = Meter::new(out, plan.work_bytes(), "releasing");
     let source = format!("{} {}", plan.contents.name, plan.contents.version);
     let draw = |scene: &SceneDir, data: &Path| handout::write(scene, &source, data);
-    let released = freeze(&plan, &draw, &|bytes| meter.add(bytes))?;
+    let released =
+        freeze(&plan, &Pictures { draw: &draw, encode: &sample::members }, &|bytes| meter.add(bytes))?;
     out.finish();
     if args.json {
         out.json(&json!({
@@ -72,7 +75,14 @@ fn make(args: &ReleaseArgs, out: &Printer) -> Result<ExitStatus> {
 fn tell(plan: &Plan, files: usize, args: &ReleaseArgs, out: &Printer) {
     let [judged, verified, rejected] = counts(plan);
     let pictures = match &plan.contents.renders {
-        Some(renders) => format!("renders of profile {}", renders.profile),
+        Some(renders) => {
+            let models = match renders.splats.len() {
+                0 => String::new(),
+                1 => ", 1 trained model".to_owned(),
+                count => format!(", {count} trained models"),
+            };
+            format!("renders of profile {}{models}", renders.profile)
+        }
         None => "no renders (--profile adds them)".to_owned(),
     };
     out.note(format!(
