@@ -17,11 +17,14 @@ use l4d_data::digest::sha256_hex;
 use l4d_data::layout::SceneDir;
 use l4d_data::scene::{Role, Scale};
 use l4d_data::truth::{InstanceTruth, Truth};
-use l4d_data::{Camera, Category, Profile, Query, Rig, Split, Temporal, json};
+use l4d_data::{Camera, Category, Profile, Query, Rig, Scene, Split, Temporal, json};
 use l4d_frames::Display;
 use l4d_frames::drawn::{Rgb, RgbImage, encode_colour};
 use l4d_frames::exr::read_frame;
+use l4d_frames::sample;
 use l4d_masks::Mask;
+use l4d_release::gather::Source;
+use l4d_release::shards;
 use l4d_splat::model::{Model, time_of_frame};
 use l4d_splat::raster::{Cpu, RasterSettings, Rasterizer as _};
 use l4d_splat::synthetic::Room;
@@ -32,6 +35,9 @@ use serde_json::json;
 use crate::support::{Dir, Run, blender_python, copy, named, root, succeed};
 use crate::world;
 
+/// What the package's tests are, but for those that need PyTorch; `{}` is their folder.
+const WITHOUT_TORCH: &[&str] = &["{}", "--ignore={}/test_torch.py"];
+const TORCH_TESTS: &str = "{}/test_torch.py";
 /// The picture that Python and Rust are compared on.
 const VIEW: &str = "cam01";
 const FRAME: u32 = 48;
@@ -40,7 +46,25 @@ const SIZE: [u32; 2] = [128, 96];
 #[test]
 fn the_package_says_what_rust_says() {
     let (world, site) = (world_folder(), site_folder());
-    ask(&blender_python(), &world, Some(&site.path("")));
+    ask(&blender_python(), &world, Some(&site.path("")), WITHOUT_TORCH);
+}
+
+#[test]
+#[ignore = "needs PyTorch, numpy and pytest in L4D_TORCH_PYTHON"]
+fn pytorch_reads_what_rust_wrote() {
+    let python = std::env::var_os("L4D_TORCH_PYTHON").expect("L4D_TORCH_PYTHON names a Python");
+    let (world, site) = (world_folder(), site_folder());
+    ask(Path::new(&python), &world, Some(&site.path("")), &[TORCH_TESTS]);
+}
+
+#[test]
+fn without_pytorch_the_data_set_says_what_it_needs() {
+    let site = site_folder();
+    let script = "import l4d\ntry:\n    l4d.torch\nexcept ImportError as error:\n    print(error)";
+    let mut python = Command::new(blender_python());
+    python.env("PYTHONPATH", site.path("")).env("PYTHONNOUSERSITE", "1").args(["-c", script]);
+    let said = succeed(&mut python);
+    assert!(said.contains("l4d.torch needs PyTorch") && said.contains("pip install torch"), "{said}");
 }
 
 #[test]
@@ -125,7 +149,7 @@ fn a_wheel_says_what_rust_says() {
     let name = wheel.file_name().unwrap().to_string_lossy().into_owned();
     assert!(name.contains("-cp39-abi3-"), "{name} is not for all versions of Python");
     let fresh = environment(&dir.path("fresh"), &["pytest", "mypy", text(&wheel)]);
-    ask(&fresh, &world_folder(), None);
+    ask(&fresh, &world_folder(), None, WITHOUT_TORCH);
     check_types(&fresh, &dir);
     let empty = Dir::new();
     let mut program = Command::new(fresh.with_file_name(format!("l4d{EXE_SUFFIX}")));
@@ -142,15 +166,18 @@ fn check_types(python: &Path, dir: &Dir) {
 }
 
 /// Runs the tests of the package with what it needs beside it.
-fn ask(python: &Path, world: &Dir, site: Option<&Path>) {
+fn ask(python: &Path, world: &Dir, site: Option<&Path>, tests: &[&str]) {
     let mut pytest = Command::new(python);
     pytest.current_dir(world.path("")).env("L4D_ROOT", root()).env("PYTHONDONTWRITEBYTECODE", "1");
     pytest.env("PYTHONNOUSERSITE", "1").env_remove("PYTHONPATH");
     if let Some(site) = site {
         pytest.env("PYTHONPATH", site);
     }
-    let tests = root().join("crates/l4d-py/tests");
-    let said = succeed(pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", text(&tests)]));
+    let folder = root().join("crates/l4d-py/tests");
+    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", text(&folder)]);
+    // Relative names are those of files beside each other.
+    pytest.args(tests.iter().map(|test| test.replace("{}", text(&folder))));
+    let said = succeed(&mut pytest);
     assert!(said.contains(" passed") && !said.contains("skipped"), "{said}");
 }
 
@@ -191,9 +218,23 @@ fn world_folder() -> Dir {
     let render = format!("render-splats {} --profile tiny --views {VIEW}", world::SCENE);
     dir.succeed(&render);
     dir.succeed(format!("{render} --depth-format png --depth expected --frames 0 --out clips-png"));
+    write_shards(&dir, &SceneDir::new(&data, world::SCENE));
     write_capture(&dir);
     json::write(&dir.path("expected.json"), &expected(&SceneDir::new(&data, world::SCENE), &model)).unwrap();
     dir
+}
+
+/// The shards of a scene as a release has them.
+fn write_shards(dir: &Dir, scene_dir: &SceneDir) {
+    let scene = Scene::read(&scene_dir.scene()).unwrap();
+    let source = |camera: &Camera, frame: u32| {
+        let path = scene_dir.frame(&camera.name, frame);
+        Source::read(path.to_str().unwrap().to_owned(), path).ok()
+    };
+    for shard in shards::shards(&scene, shards::MOST_BYTES, source) {
+        let name = shard.path.rsplit('/').next().unwrap();
+        shard.write(&dir.path("shards").join(name), &sample::members, &|_| {}).unwrap();
+    }
 }
 
 /// A capture of two cameras and three moments, and a benchmark about it. The moment in the middle has no annotation, and

@@ -14,6 +14,7 @@ mod frame;
 mod judge;
 mod query;
 mod results;
+mod sample;
 mod scene;
 mod splats;
 mod timeline;
@@ -40,6 +41,7 @@ mod _native {
         judge::{Finding, check, score, write_baseline},
         query::{Event, Instance, Query},
         results::ResultsWriter,
+        sample::{decode_colour, decode_depth, decode_ids},
         scene::Scene,
         splats::{Picture, PictureClip, Splats},
         timeline::Timeline,

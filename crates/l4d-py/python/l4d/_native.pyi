@@ -39,6 +39,9 @@ __all__ = [
     "Truth",
     "__version__",
     "check",
+    "decode_colour",
+    "decode_depth",
+    "decode_ids",
     "rle_decode",
     "rle_encode",
     "score",
@@ -705,3 +708,16 @@ def rle_encode(mask: _Bools) -> str:
     """A mask, bool (H, W), as compressed COCO counts."""
 def rle_decode(counts: str, height: int, width: int) -> _Bools:
     """The mask, bool (H, W), of compressed COCO counts."""
+
+def decode_colour(png: bytes) -> _Bytes:
+    """Colours of the member `png` of a sample: uint8 (H, W, 3), what a screen shows."""
+
+def decode_depth(png: bytes, scale_m: float, rest: Optional[bytes] = None) -> _Floats:
+    """Planar depth of the member `depth.png` of a sample, metres: float32 (H, W); +inf where nothing is hit.
+
+    `scale_m` is `depth_scale_m` of the sample. With `rest`, the member `depth_rest.png`, depth is what was rendered to the last
+    bit; without it, it is off by half of `scale_m` at most.
+    """
+
+def decode_ids(png: bytes) -> _Ids:
+    """Instance ids of the member `ids.png` of a sample: uint32 (H, W); 0 where nothing is annotated."""
