@@ -17,7 +17,6 @@ use l4d_frames::Display;
 use l4d_frames::exr::read_frame;
 
 use super::{RELEASE, expect, published};
-use crate::support::Dir;
 
 /// Into folders beside those of the release.
 const THERE: &str = "--bench there/benchmark --data there/data/tiny --work there/work";
