@@ -194,10 +194,10 @@ fn lifts_are_measured_on_the_same_evidence() {
 fn grids_that_cannot_be_run_are_refused() {
     let dir = stage();
     for (grid, parts) in [
-        ("mvsc --no-consensus", &["--no-consensus is one of the rows"][..]),
-        ("views --correlations 0.3", &["--correlations makes up errors", "grid mvsc"]),
+        ("mvsc --no-consensus", &["--no-consensus does not apply to the grid mvsc"][..]),
+        ("views --correlations 0.3", &["--correlations does not apply to the grid views", "grid mvsc"]),
         ("views --view-counts 9,64", &["ball has 4 training views"]),
-        ("views --grounder-files a.toml", &["--grounder-files are rows of the grid vlm"]),
+        ("views --grounder-files a.toml", &["--grounder-files does not apply to the grid views", "grid vlm"]),
         ("scales --scenes cave", &["no scene `cave`"]),
         ("composites", &["composites", "--profile"]),
     ] {
@@ -205,8 +205,8 @@ fn grids_that_cannot_be_run_are_refused() {
     }
     dir.refuses(format!("ablate mvsc {ORACLE}"), &["without errors", "--calibrate"]);
     for (grid, parts) in [
-        ("mvsc --calibrate", &["--calibrate makes up errors", "--grounder oracle"][..]),
-        ("mvsc --noise noise.toml", &["--noise belongs to the oracle"]),
+        ("mvsc --calibrate", &["--calibrate does not apply to --grounder panoptic", "--grounder oracle"][..]),
+        ("mvsc --noise noise.toml", &["--noise does not apply to --grounder panoptic"]),
         ("vlm", &["there are none", "--grounder-file"]),
     ] {
         dir.refuses(format!("ablate {grid} {COMMON}"), parts);

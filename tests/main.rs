@@ -11,6 +11,7 @@ mod cluster;
 mod codes;
 mod endpoint;
 mod foreign;
+mod hints;
 mod hostile;
 mod hosting;
 mod interop;

@@ -308,13 +308,13 @@ fn options_of_another_grounder_are_refused() {
             run.says(
                 2,
                 &[
-                    &format!("{flag} does not apply to the grounder panoptic"),
+                    &format!("{flag} does not apply to --grounder panoptic"),
                     &format!("--grounder {grounder}"),
                 ],
             );
         }
     }
-    dir.run(format!("{QUERY} --weights made")).says(2, &["--weights does not apply to the grounder oracle"]);
+    dir.run(format!("{QUERY} --weights made")).says(2, &["--weights does not apply to --grounder oracle"]);
 }
 
 #[test]

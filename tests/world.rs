@@ -6,7 +6,7 @@ use glam::{DVec3, UVec2};
 use half::f16;
 use l4d_data::camera::looking_at;
 use l4d_data::layout::SceneDir;
-use l4d_data::{Camera, Category, Profile, Query, Scene, Split};
+use l4d_data::{Camera, Category, Profile, Query, Scene, Split, json};
 use l4d_frames::Frame;
 use l4d_frames::exr::{read_frame, read_surfaces, write_frame};
 use l4d_masks::Mask;
@@ -51,6 +51,11 @@ fn world(balls: &[Thing]) -> World {
 /// One ball that rolls.
 pub(crate) fn write_scene(data: &Path) {
     write(data, &[ROLLING]);
+}
+
+/// Where everything is in that scene, as a build writes it before it renders.
+pub(crate) fn write_tracks(data: &Path) {
+    json::write(&SceneDir::new(data, SCENE).tracks(), &world(&[ROLLING]).tracks()).unwrap();
 }
 
 /// The same, and its twin that lies farther back.

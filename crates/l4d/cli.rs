@@ -1,7 +1,9 @@
 //! The grammar of the command line, and nothing else. What all groups of verbs share is here.
 
 pub(crate) mod annotation;
+mod applies;
 pub(crate) mod cluster;
+pub(crate) mod given;
 pub(crate) mod interop;
 pub(crate) mod judging;
 pub(crate) mod models;
@@ -10,18 +12,21 @@ pub(crate) mod scenes;
 pub(crate) mod solver;
 pub(crate) mod splats;
 
+use std::ffi::OsString;
 use std::ops::{Bound, RangeBounds};
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use anyhow::Result;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use l4d_data::Profile;
 use serde::de::value::Error as ValueError;
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
 use self::annotation::{CheckQueriesArgs, OpenRoundArgs, StatsArgs, VerdictArgs, VerifyPromptsArgs};
 use self::cluster::ClusterCommand;
+use self::given::Given;
 use self::interop::{ExportArgs, ImportArgs, ImportSceneArgs};
 use self::judging::{BaselineArgs, CheckResultsArgs, InitResultsArgs, LeaderboardArgs, ScoreArgs};
 use self::models::{EndpointCommand, ProposePromptsArgs, ProposeScenesArgs};
@@ -41,6 +46,21 @@ pub(crate) struct Cli {
     pub(crate) global: GlobalArgs,
     #[command(subcommand)]
     pub(crate) command: Command,
+}
+
+impl Cli {
+    /// Reads a command line with the folders that it names, and refuses what does not apply to what it chooses.
+    ///
+    /// # Errors
+    /// A `clap::Error`, which may be help that was asked for, and options that do not apply.
+    pub(crate) fn read(line: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> Result<(Self, Given)> {
+        let mut command = Self::command();
+        let matches = command.try_get_matches_from_mut(line)?;
+        applies::check(&command, &matches)?;
+        let given = Given::of(&command, &matches);
+        let cli = Self::from_arg_matches(&matches).map_err(|error| error.format(&mut command))?;
+        Ok((cli, given))
+    }
 }
 
 #[derive(Debug, Args)]
@@ -247,7 +267,6 @@ pub(crate) struct QuickstartArgs {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory as _;
     use clap::builder::ValueParser;
     use clap::error::ErrorKind;
 

@@ -14,14 +14,16 @@ mod stopping;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use clap::Parser as _;
-
 use crate::cli::Cli;
+use crate::cli::given::Given;
 use crate::out::Printer;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let out = Arc::new(Printer::new(cli.global.quiet));
+    let (cli, given) = match Cli::read(std::env::args_os()) {
+        Ok(read) => read,
+        Err(error) => return unread(&error),
+    };
+    let out = Arc::new(Printer::new(cli.global.quiet, given));
     out::init_logging(cli.global.verbose);
     if let Some(how_to_go_on) = cli.command.how_to_go_on()
         && let Err(error) = stopping::say_when_stopped(how_to_go_on, Arc::clone(&out))
@@ -36,4 +38,13 @@ fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// How a command line ends that cannot be run, or that asks for help.
+fn unread(error: &anyhow::Error) -> ExitCode {
+    if let Some(error) = error.downcast_ref::<clap::Error>() {
+        error.exit();
+    }
+    Printer::new(false, Given::default()).failure(error);
+    ExitCode::from(2)
 }

@@ -1,20 +1,23 @@
 //! What a person or a script sees: stdout is data, stderr is talk; errors end with a `hint:`.
 
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::fmt::Display;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use l4d_data::error::{inert, inert_lines};
-use l4d_data::{DataError, Progress, Report, StageError};
+use l4d_data::{DataError, Finding, Progress, Report, StageError};
 use l4d_endpoint::EndpointError;
 use l4d_frames::exr::FrameError;
 use serde::Serialize;
 use serde_json::{Value, json};
+
+use crate::cli::given::Given;
 
 /// How a verb ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,12 +58,16 @@ pub(crate) fn not_built_in(what: &str, feature: &str) -> anyhow::Error {
 #[derive(Debug)]
 pub(crate) struct Printer {
     quiet: bool,
+    given: Given,
     bar: Mutex<ProgressBar>,
+    /// When a line of progress was last written into a log.
+    logged: Mutex<Instant>,
 }
 
 impl Printer {
-    pub(crate) fn new(quiet: bool) -> Self {
-        Self { quiet, bar: Mutex::new(ProgressBar::hidden()) }
+    /// Hints name the folders that were given.
+    pub(crate) fn new(quiet: bool, given: Given) -> Self {
+        Self { quiet, given, bar: Mutex::new(ProgressBar::hidden()), logged: Mutex::new(Instant::now()) }
     }
 
     /// One line of data.
@@ -78,17 +85,26 @@ impl Printer {
     /// One line of talk.
     pub(crate) fn note(&self, line: impl Display) {
         if !self.quiet {
-            self.talk(inert_lines(&line.to_string()));
+            self.talk(inert_lines(&self.given.complete(&line.to_string())));
         }
     }
 
     /// A warning; shown even when quiet.
     pub(crate) fn warn(&self, line: impl Display) {
-        self.talk(inert(&format!("warning: {line}")));
+        self.talk(inert(&self.given.complete(&format!("warning: {line}"))));
     }
 
     fn talk(&self, line: impl Display) {
         self.bar().suspend(|| writeln!(io::stderr().lock(), "{line}").ok());
+    }
+
+    /// How far it is, now and then: a log has no bar.
+    fn log(&self, bar: &ProgressBar) {
+        let mut logged = self.logged.lock().unwrap_or_else(PoisonError::into_inner);
+        if logged.elapsed() >= BETWEEN_LINES_OF_A_LOG {
+            *logged = Instant::now();
+            self.talk(format!("{} {}/{}", bar.prefix(), bar.position(), bar.length().unwrap_or_default()));
+        }
     }
 
     fn bar(&self) -> ProgressBar {
@@ -103,7 +119,7 @@ impl Printer {
     /// A JSON document with the findings in it, and how a check ends that found them.
     pub(crate) fn document(&self, mut document: Value, report: Report) -> anyhow::Result<ExitStatus> {
         let status = Self::status(&report);
-        document["findings"] = json!(report.into_sorted());
+        document["findings"] = json!(self.sorted(report));
         self.json(&document)?;
         Ok(status)
     }
@@ -116,7 +132,7 @@ impl Printer {
     /// Prints findings as warnings, and tells the exit status.
     pub(crate) fn warnings(&self, report: Report) -> ExitStatus {
         let status = Self::status(&report);
-        for finding in report.into_sorted() {
+        for finding in self.sorted(report) {
             self.warn(format!("{}: {}; {}", finding.path, finding.message, finding.hint));
         }
         status
@@ -125,26 +141,58 @@ impl Printer {
     /// Prints findings, one per line or as JSON, and tells the exit status.
     pub(crate) fn findings(&self, report: Report, as_json: bool) -> anyhow::Result<ExitStatus> {
         let status = Self::status(&report);
-        let findings = report.into_sorted();
+        let findings = self.sorted(report);
         if as_json {
             self.json(&json!({ "findings": findings }))?;
             return Ok(status);
         }
         for finding in &findings {
-            let severity = match finding.severity {
-                l4d_data::Severity::Error => "error",
-                l4d_data::Severity::Warning => "warning",
-            };
-            let place =
-                if finding.location.is_empty() { String::new() } else { format!(": {}", finding.location) };
-            self.data(format!("{}{place}: {severity}[{}]: {}", finding.path, finding.code, finding.message))?;
-            if !finding.hint.is_empty() {
-                self.data(format!("    hint: {}", finding.hint))?;
-            }
+            self.data(format!("{}: {}: {}", place(finding), kind(finding), finding.message))?;
+            self.hint(&finding.hint)?;
         }
-        let count = findings.len();
-        self.note(format!("{count} finding{}", if count == 1 { "" } else { "s" }));
+        self.count(findings.len());
         Ok(status)
+    }
+
+    /// Prints findings by cause, one that many files share once, with the first of them; `remedy` says how to see all.
+    pub(crate) fn causes(&self, report: Report, remedy: &str) -> anyhow::Result<ExitStatus> {
+        let status = Self::status(&report);
+        let (findings, remedy) = (self.sorted(report), self.given.complete(remedy));
+        let of = |finding: &Finding| (finding.code, finding.message.clone(), finding.hint.clone());
+        let mut by_cause: BTreeMap<_, Vec<&Finding>> = BTreeMap::new();
+        findings.iter().for_each(|finding| by_cause.entry(of(finding)).or_default().push(finding));
+        for first in &findings {
+            let Some(alike) = by_cause.remove(&of(first)) else { continue };
+            if alike.len() <= FIRST_OF_CAUSE {
+                for finding in alike {
+                    self.data(format!("{}: {}: {}", place(finding), kind(finding), finding.message))?;
+                    self.hint(&finding.hint)?;
+                }
+                continue;
+            }
+            self.data(format!("{}: {} times: {}", kind(first), alike.len(), first.message))?;
+            alike
+                .iter()
+                .take(FIRST_OF_CAUSE)
+                .try_for_each(|finding| self.data(format!("    {}", place(finding))))?;
+            self.data(format!("    and {} more; {remedy}", alike.len() - FIRST_OF_CAUSE))?;
+            self.hint(&first.hint)?;
+        }
+        self.count(findings.len());
+        Ok(status)
+    }
+
+    fn sorted(&self, report: Report) -> Vec<Finding> {
+        let complete = |finding: Finding| Finding { hint: self.given.complete(&finding.hint), ..finding };
+        report.into_sorted().into_iter().map(complete).collect()
+    }
+
+    fn hint(&self, hint: &str) -> Result<(), DataError> {
+        if hint.is_empty() { Ok(()) } else { self.data(format!("    hint: {hint}")) }
+    }
+
+    fn count(&self, findings: usize) {
+        self.note(format!("{findings} finding{}", if findings == 1 { "" } else { "s" }));
     }
 
     /// The error chain on one line, then the hint.
@@ -152,12 +200,31 @@ impl Printer {
         let mut stderr = io::stderr().lock();
         writeln!(stderr, "error: {}", inert_lines(&format!("{error:#}"))).ok();
         if let Some(hint) = hint_of(error) {
-            writeln!(stderr, "\nhint: {}", inert_lines(&hint)).ok();
+            writeln!(stderr, "\nhint: {}", inert_lines(&self.given.complete(&hint))).ok();
         }
     }
 }
 
-/// A bar with elapsed time and ETA on a terminal, unless quiet; lines of talk go above it.
+const BETWEEN_LINES_OF_A_LOG: Duration = Duration::from_secs(30);
+/// Findings of one cause that are shown.
+const FIRST_OF_CAUSE: usize = 3;
+
+/// The file, and where in it.
+fn place(finding: &Finding) -> String {
+    let Finding { path, location, .. } = finding;
+    if location.is_empty() { path.clone() } else { format!("{path}: {location}") }
+}
+
+fn kind(finding: &Finding) -> String {
+    let severity = match finding.severity {
+        l4d_data::Severity::Error => "error",
+        l4d_data::Severity::Warning => "warning",
+    };
+    format!("{severity}[{}]", finding.code)
+}
+
+/// A bar with elapsed time and ETA on a terminal, a line every half minute elsewhere, unless quiet; lines of talk go above
+/// the bar.
 impl Progress for Printer {
     fn start(&self, what: &'static str, total: u64) {
         let hidden = self.quiet || !io::stderr().is_terminal();
@@ -177,7 +244,11 @@ impl Progress for Printer {
     }
 
     fn advance(&self, steps: u64) {
-        self.bar().inc(steps);
+        let bar = self.bar();
+        bar.inc(steps);
+        if !self.quiet && !io::stderr().is_terminal() {
+            self.log(&bar);
+        }
     }
 
     fn finish(&self) {

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use anyhow::Result;
 use l4d_data::workspace::SharedWork;
 use l4d_data::{Profile, Workspace};
-use l4d_endpoint::Link;
 use l4d_ground::oracle::NoisePreset;
 use l4d_ground::panoptic::Panoptic;
 use l4d_solve::grounders::Grounders;
@@ -40,31 +39,6 @@ impl WorkArgs {
 
 /// What `--grounder` names.
 pub(crate) fn open_grounders(args: &MethodArgs, work: &SharedWork, out: &Printer) -> Result<Grounders> {
-    let (server, endpoint) = (&args.server, &args.server.endpoint);
-    let strays: [(&str, bool, &[GrounderArg]); 14] = [
-        ("--noise", args.noise.is_some(), &[GrounderArg::Oracle]),
-        ("--masks", args.masks.is_some(), &[GrounderArg::Files]),
-        ("--weights", args.weights.is_some(), &[GrounderArg::Panoptic, GrounderArg::PanopticFused]),
-        ("--given", !args.given.is_empty(), &[GrounderArg::PanopticFused]),
-        ("--grounder-file", args.grounder_file.is_some(), &[GrounderArg::Model]),
-        ("--endpoint", endpoint.endpoint.is_some(), &[GrounderArg::Model]),
-        ("--base-url", endpoint.base_url.is_some(), &[GrounderArg::Model]),
-        ("--model", endpoint.model.is_some(), &[GrounderArg::Model]),
-        ("--api-key-env", endpoint.api_key_env.is_some(), &[GrounderArg::Model]),
-        ("--server", endpoint.server.is_some(), &[GrounderArg::Model]),
-        ("--link", endpoint.link != Link::Live, &[GrounderArg::Model]),
-        ("--refresh", server.refresh, &[GrounderArg::Model]),
-        ("--max-cost", server.max_cost.is_some(), &[GrounderArg::Model]),
-        ("--max-tokens-total", server.max_tokens_total.is_some(), &[GrounderArg::Model]),
-    ];
-    for (flag, is_given, grounders) in strays {
-        if is_given && !grounders.contains(&args.grounder) {
-            return Err(refusal(
-                format!("{flag} does not apply to the grounder {}", args.grounder.as_str()),
-                format!("add --grounder {}, or leave it out", grounders[0].as_str()),
-            ));
-        }
-    }
     let panoptic = || args.weights.as_deref().map_or_else(Panoptic::shipped, Panoptic::open).map(Arc::new);
     let lacking = |flag: &str| refusal(format!("grounder {} needs {flag}", args.grounder.as_str()), "add it");
     Ok(match args.grounder {

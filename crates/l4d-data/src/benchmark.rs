@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::digest::{sha256_file, sha256_hex};
 use crate::error::DataError;
 use crate::layout::BenchDir;
-use crate::name::Name;
+use crate::name::{Name, choose_among};
 use crate::query::{Query, QuerySet, read_absents, read_queries};
 use crate::timeline::Profile;
 use crate::toml_file;
@@ -107,7 +107,7 @@ impl Benchmark {
                 &self.dir.manifest(),
                 "field `scenes`",
                 format!("has no scene `{name}`"),
-                format!("choose among {}", known.join(", ")),
+                choose_among(name, &known),
             )
         })
     }

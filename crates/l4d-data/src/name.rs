@@ -85,9 +85,33 @@ impl From<Name> for String {
     }
 }
 
+/// The one of some names that another one misspells.
+pub fn meant<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    /// Less alike, a name is another one rather than a misspelt one.
+    const ALIKE: f64 = 0.75;
+    let likeness = |known: &&str| strsim::normalized_damerau_levenshtein(name, known);
+    let nearest = known.iter().copied().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+    nearest.filter(|nearest| likeness(nearest) >= ALIKE)
+}
+
+/// The remedy for a name that is none of those known: the one that is meant first, where it misspells one.
+pub fn choose_among(name: &str, known: &[&str]) -> String {
+    let question = meant(name, known).map_or_else(String::new, |meant| format!("did you mean `{meant}`? "));
+    format!("{question}choose among {}", known.join(", "))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_misspelt_name_is_recognised_and_another_one_is_not() {
+        let known = ["room_playroom", "tabletop_tea"];
+        let all = "choose among room_playroom, tabletop_tea";
+        assert_eq!(choose_among("room_plairoom", &known), format!("did you mean `room_playroom`? {all}"));
+        assert_eq!(choose_among("tabletop_tae", &known), format!("did you mean `tabletop_tea`? {all}"));
+        assert_eq!(choose_among("moon_base", &known), all);
+    }
 
     #[test]
     fn names_cannot_leave_their_folder() {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
 use crate::error::DataError;
 use crate::json;
@@ -176,6 +177,44 @@ impl MethodCard {
         Self::parse(path, &read_bounded(path, json::MAX_BYTES)?)
     }
 
+    /// Parses and checks bytes that came from `path`, and says of every field what is wrong with it, not of the first alone.
+    ///
+    /// # Errors
+    /// One for each field that is missing, wrong or unknown; one for bytes that are no card at all.
+    pub fn parse_all(path: &Path, bytes: &[u8]) -> Result<Self, Vec<DataError>> {
+        let first = match Self::parse(path, bytes) {
+            Ok(card) => return Ok(card),
+            Err(error) => error,
+        };
+        let (Ok(given), Ok(Value::Object(sound))) =
+            (json::parse::<Map<String, Value>>(path, None, bytes), serde_json::to_value(Self::sound()))
+        else {
+            return Err(vec![first]);
+        };
+        // Each field by itself in a card that is sound otherwise: a field is needed without which there is none.
+        let is_needed = |field: &&String| {
+            let mut rest = sound.clone();
+            rest.remove(*field);
+            serde_json::from_value::<Self>(Value::Object(rest)).is_err()
+        };
+        let lacking = sound.keys().filter(is_needed).filter(|field| !given.contains_key(*field));
+        let mut errors: Vec<DataError> =
+            lacking.map(|field| invalid(path, field, "is missing".to_owned())).collect();
+        for (field, value) in &given {
+            let mut card = sound.clone();
+            card.insert(field.clone(), value.clone());
+            if let Err(error) = serde_json::from_value::<Self>(Value::Object(card)) {
+                errors.push(invalid(path, field, error.to_string()));
+            }
+        }
+        Err(if errors.is_empty() { vec![first] } else { errors })
+    }
+
+    /// A card with every field that has to be there.
+    fn sound() -> Option<Self> {
+        Some(Self::new(Name::new("method").ok()?, "1", "1", "", Profile::Tiny))
+    }
+
     /// Parses and checks bytes that came from `path`.
     ///
     /// # Errors
@@ -202,6 +241,11 @@ impl MethodCard {
         }
         Ok(card)
     }
+}
+
+fn invalid(path: &Path, field: &str, message: String) -> DataError {
+    let remedy = "write method.json as docs/formats.md says, or let `l4d init-results` write it";
+    DataError::invalid(path, format!("field `{field}`"), message, remedy)
 }
 
 /// `results/<method>/masks/<scene>/<nnn>.json`: the masks of one query in the held-out view.
@@ -235,6 +279,20 @@ impl MaskFile {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn all_fields_that_are_wrong_are_said_at_once() {
+        let bytes = br#"{"name": "m", "version": 1, "profile": "huge", "used": {"truth": true}, "colour": 3, "frames": [0]}"#;
+        let errors = MethodCard::parse_all(Path::new("results/m/method.json"), bytes).unwrap_err();
+        let said: Vec<String> = errors.iter().map(DataError::to_string).collect();
+        let fields =
+            ["benchmark_version", "truth_digest", "protocol", "colour", "profile", "used", "version"];
+        for field in fields {
+            assert!(said.iter().any(|line| line.contains(&format!("field `{field}`"))), "{field}: {said:?}");
+        }
+        assert_eq!(said.len(), fields.len(), "{said:?}");
+        assert_eq!(MethodCard::parse_all(Path::new("m/method.json"), b"[]").unwrap_err().len(), 1);
+    }
 
     #[test]
     fn cards_of_before_there_was_depth_are_of_the_headline_track() {

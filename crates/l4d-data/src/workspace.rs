@@ -154,12 +154,19 @@ pub fn default_hosting(platform: &str) -> PathBuf {
     Path::new("hosting").join(platform)
 }
 
-/// Where a scene that is not there comes from.
-pub fn how_scenes_are_made(name: &str, profile: Profile) -> String {
-    match profile.is_rendered() {
+/// Where a scene comes from that is not at `<data>/<scene>`; another profile at which it is rendered beside it is named.
+pub fn how_scenes_are_made(name: &str, profile: Profile, dir: &Path) -> String {
+    let of_profile = |other: &Profile| {
+        let data = dir.parent().filter(|data| data.ends_with(profile.as_str()))?;
+        let scene = SceneDir::new(&data.with_file_name(other.as_str()), name);
+        scene.scene().is_file().then(|| format!("rendered at {other}: --profile {other}"))
+    };
+    let elsewhere = Profile::ALL.iter().find_map(of_profile);
+    let make = match profile.is_rendered() {
         true => format!("run `l4d build-scenes --profile {profile} --scenes {name}` first"),
         false => format!("run `l4d import-scene ... --name {name}` first"),
-    }
+    };
+    elsewhere.map_or(make.clone(), |elsewhere| format!("{elsewhere}; or {make}"))
 }
 
 fn named(stem: &str, set: &str, what: Option<&str>) -> PathBuf {
@@ -174,6 +181,18 @@ fn named(stem: &str, set: &str, what: Option<&str>) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_scene_of_another_profile_is_named() {
+        let root = tempfile::tempdir().unwrap();
+        let ask = || how_scenes_are_made("ball", Profile::Small, &root.path().join("small/ball"));
+        let make = "run `l4d build-scenes --profile small --scenes ball` first";
+        assert_eq!(ask(), make);
+        let tiny = root.path().join("tiny/ball");
+        std::fs::create_dir_all(&tiny).unwrap();
+        std::fs::write(tiny.join("scene.json"), "").unwrap();
+        assert_eq!(ask(), format!("rendered at tiny: --profile tiny; or {make}"));
+    }
 
     #[test]
     fn folders_follow_the_profile_unless_they_are_given() {

@@ -64,7 +64,10 @@ pub fn check_scene(request: Request, tick: &dyn Fn()) -> (Option<SceneStats>, Re
     let scene = match Scene::read(&dir.scene()) {
         Ok(scene) => scene,
         Err(error) => {
-            report.data_error("L4D101", &error);
+            match interrupted(request, &dir) {
+                Some((message, hint)) => report.error("L4D101", dir.root(), "scene.json", message, hint),
+                None => report.data_error("L4D101", &error),
+            }
             return (None, report);
         }
     };
@@ -99,6 +102,28 @@ pub fn check_scene(request: Request, tick: &dyn Fn()) -> (Option<SceneStats>, Re
         cross_view,
     };
     (Some(stats), report)
+}
+
+/// What lacks of a scene whose rendering has not ended, and how it goes on.
+fn interrupted(request: Request, dir: &SceneDir) -> Option<(String, String)> {
+    if dir.scene().exists() || !dir.root().join("frames").exists() {
+        return None;
+    }
+    let committed = || Tracks::read(&request.bench.tracks(request.scene));
+    let tracks = Tracks::read(&dir.tracks()).or_else(|_| committed()).ok()?;
+    let (mut all, mut there) = (0, 0);
+    for camera in tracks.views(request.profile) {
+        for frame in request.profile.frames() {
+            all += 1;
+            there += usize::from(dir.frame(&camera.name, frame).is_file());
+        }
+    }
+    let go_on = format!("`l4d build-scenes --profile {} --scenes {}`", request.profile, request.scene);
+    let message = match all - there {
+        0 => format!("is missing: the render was interrupted when all {all} pictures were there"),
+        lacking => format!("is missing: the render was interrupted, and {lacking} of {all} pictures lack"),
+    };
+    Some((message, format!("run {go_on}, which goes on with what lacks")))
 }
 
 fn read_tracks(request: Request, report: &mut Report) -> Option<Tracks> {

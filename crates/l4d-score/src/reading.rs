@@ -160,7 +160,13 @@ impl<'a> SceneReader<'a> {
         };
         let [height, width] = file.size;
         if let Err(message) = self.check_size((width, height)) {
-            let hint = "write [height, width] of the held-out pictures, or pass --resize";
+            let hint = match (height, width) == self.scene.size && !self.resize {
+                true => format!(
+                    "it is [width, height]: write [height, width], which is [{}, {}]",
+                    self.scene.size.1, self.scene.size.0
+                ),
+                false => "write [height, width] of the held-out pictures, or pass --resize".to_owned(),
+            };
             report.error(codes::WRONG_SIZE, &path, "field `size`", message, hint);
             return;
         }

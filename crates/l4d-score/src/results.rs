@@ -103,11 +103,11 @@ pub(crate) fn read_card(
             return None;
         }
     }
-    let card = read_bounded(&path, MAX_CARD_BYTES).and_then(|bytes| MethodCard::parse(&path, &bytes));
-    let card = match card {
+    let read = read_bounded(&path, MAX_CARD_BYTES).map_err(|error| vec![error]);
+    let card = match read.and_then(|bytes| MethodCard::parse_all(&path, &bytes)) {
         Ok(card) => card,
-        Err(error) => {
-            report.data_error(codes::BAD_CARD, &error);
+        Err(errors) => {
+            errors.iter().for_each(|error| report.data_error(codes::BAD_CARD, error));
             return None;
         }
     };
@@ -160,7 +160,12 @@ fn mismatches(card: &MethodCard, exam: &Exam, resize: bool) -> Vec<(&'static str
                 "width and height are {}x{}, but profile {profile} is {width}x{height}",
                 card.width, card.height
             ),
-            "render masks at that size, or pass --resize".to_owned(),
+            match (card.height, card.width) == (width, height) {
+                true => {
+                    format!("width and height are exchanged: write \"width\": {width}, \"height\": {height}")
+                }
+                false => "render masks at that size, or pass --resize".to_owned(),
+            },
         ),
         (
             "frames",

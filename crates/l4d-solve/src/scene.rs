@@ -204,7 +204,8 @@ fn drawn_on(dir: &SceneDir) -> Result<Option<Name>, DataError> {
 fn read_rig(name: &Name, profile: Profile, places: &Places) -> Result<Rig, DataError> {
     let path = places.data.rig(profile);
     if !path.exists() {
-        let remedy = format!("{}, or choose another --data", how_scenes_are_made(name, profile));
+        let remedy =
+            format!("{}, or choose another --data", how_scenes_are_made(name, profile, places.data.root()));
         return Err(DataError::invalid(places.data.root(), "scene", "there is no scene", remedy));
     }
     let rig = Rig::read(&path)?;

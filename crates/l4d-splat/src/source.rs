@@ -114,6 +114,17 @@ impl Source {
     /// A path that holds no model, and whatever is wrong with the model that it holds.
     pub fn open(path: &Path, reader_options: ReaderOptions) -> Result<Self, DataError> {
         let mut source = Self::read(path, reader_options)?;
+        let strays = [
+            ("--reader", reader_options.reader.is_some() && source.family != Family::FourDGaussians),
+            ("--sh-degree", reader_options.sh_degree.is_some() && source.family == Family::Own),
+        ];
+        if let Some((flag, _)) = strays.into_iter().find(|(_, is_stray)| *is_stray) {
+            let message = format!(
+                "{flag} does not apply to a model of {}, which says itself how it is drawn",
+                source.family
+            );
+            return Err(DataError::invalid(path, "model", message, format!("leave out {flag}")));
+        }
         source.near_m = reader_options.near_m.unwrap_or(source.near_m);
         if source.near_m.to_bits() != RasterSettings::default().near_m.to_bits() {
             source.inputs.insert("near".to_owned(), sha256_hex(&source.near_m.to_le_bytes()));

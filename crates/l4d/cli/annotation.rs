@@ -61,7 +61,7 @@ pub(crate) struct OpenRoundArgs {
     #[arg(long, value_enum, default_value = "candidate")]
     pub(crate) queries: AskedArg,
     /// Ask again what this earlier round did not find valid, once text or truth was edited
-    #[arg(long, value_name = "ROUND", conflicts_with = "queries")]
+    #[arg(long, value_name = "ROUND")]
     pub(crate) from: Option<String>,
     /// Only so many of them, drawn by lot, evenly from the categories
     #[arg(long, value_name = "COUNT")]
@@ -138,7 +138,7 @@ pub(crate) struct VerdictArgs {
     #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     /// Only look, before all ballots are sealed: nothing is written
-    #[arg(long, conflicts_with = "check")]
+    #[arg(long)]
     pub(crate) unsealed: bool,
     /// Derive the files again and compare: nothing is written
     #[arg(long)]

@@ -137,7 +137,7 @@ pub(crate) struct ExportArgs {
     /// Folder of the scenes; default: data/<profile>, or data/captures
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
-    /// Folder of the benchmark: which draw is meant, and truth for the formats that hold it
+    /// Folder of the benchmark: truth for the formats that hold it
     #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     /// What is shown of the held-out camera: nothing; where it is, with grey where a reader insists on a picture (pose); or
@@ -177,22 +177,22 @@ pub(crate) struct ImportSceneArgs {
     #[arg(long, value_name = "FIRST-LAST")]
     pub(crate) moments: Option<Moments>,
     /// Object masks that people drew on the pictures
-    #[arg(long, value_name = "PATH", requires = "masks_format")]
+    #[arg(long, value_name = "PATH")]
     pub(crate) masks: Option<PathBuf>,
     /// What they drew with: a JSON file of COCO instances, a data set folder of 4D LangSplat, or PNG with a number an object
     #[arg(long, value_parser = one_of::<MaskFormat>(["coco", "4d-langsplat", "png"]))]
     pub(crate) masks_format: Option<MaskFormat>,
     /// Folder of a benchmark of real scenes that receives the truth of the masks on the held-out view, to be asked about
-    #[arg(long, value_name = "DIR", requires = "masks", requires = "scale")]
+    #[arg(long, value_name = "DIR")]
     pub(crate) bench: Option<PathBuf>,
     /// Scale of the scene in tables of scores: tens of metres, a few metres, or about a metre
     #[arg(long, value_parser = one_of::<Scale>(["outdoor", "room", "tabletop"]))]
     pub(crate) scale: Option<Scale>,
     /// Only add masks to a capture that is in --out
-    #[arg(long, requires = "masks")]
+    #[arg(long)]
     pub(crate) masks_only: bool,
     /// Replace other masks of the capture, and the truth that was made of them
-    #[arg(long, requires = "masks")]
+    #[arg(long)]
     pub(crate) force: bool,
     /// The program that opens videos
     #[arg(long, value_name = "PATH", default_value = "ffmpeg")]

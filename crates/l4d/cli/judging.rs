@@ -83,6 +83,9 @@ pub(crate) struct CheckResultsArgs {
     /// Most bytes of masks that a method may have, in MB; one with more is not read
     #[arg(long, value_name = "MB", default_value_t = MOST_BYTES / MEGABYTE)]
     pub(crate) max_megabytes: u64,
+    /// List each finding, also those that many files have in common
+    #[arg(long)]
+    pub(crate) all: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -138,7 +141,7 @@ pub(crate) struct ScoreArgs {
     #[arg(long)]
     pub(crate) verified_only: bool,
     /// Print means with intervals by category, scale, time, size, occlusion and scene; as JSON by query, too
-    #[arg(long, conflicts_with = "protocol")]
+    #[arg(long)]
     pub(crate) groups: bool,
     /// Replace files that l4d did not write
     #[arg(long)]
@@ -170,10 +173,10 @@ pub(crate) struct LeaderboardArgs {
     #[arg(long)]
     pub(crate) html: bool,
     /// Folder of the results whose masks the page shows
-    #[arg(long, value_name = "DIR", default_value = "results", requires = "html")]
+    #[arg(long, value_name = "DIR", default_value = "results")]
     pub(crate) results: PathBuf,
     /// Folder of rendered scenes whose held-out pictures lie under the masks of the page; default: none
-    #[arg(long, value_name = "DIR", requires = "html")]
+    #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Replace files that l4d did not write
     #[arg(long)]

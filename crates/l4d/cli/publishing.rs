@@ -29,7 +29,7 @@ pub(crate) struct ReleaseArgs {
     #[arg(long, value_parser = rendered)]
     pub(crate) profile: Option<Profile>,
     /// Folder of the rendered scenes; default: data/<profile>
-    #[arg(long, value_name = "DIR", requires = "profile")]
+    #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Folder of trained models: <DIR>/<profile>/<scene>/splats, those that exist
     #[arg(long, value_name = "DIR", default_value = "work")]
@@ -44,7 +44,7 @@ pub(crate) struct ReleaseArgs {
     #[arg(long, short, value_name = "DIR", default_value = "release")]
     pub(crate) out: PathBuf,
     /// Check a release instead: sums, missing, extra and altered files
-    #[arg(long, value_name = "RELEASE", conflicts_with_all = ["date", "url", "profile", "data", "since"])]
+    #[arg(long, value_name = "RELEASE")]
     pub(crate) check: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]

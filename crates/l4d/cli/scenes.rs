@@ -19,7 +19,7 @@ pub(crate) struct DoctorArgs {
     #[arg(long)]
     pub(crate) setup: bool,
     /// Say what the tests need instead, as `tests/run` installs it
-    #[arg(long, conflicts_with = "setup")]
+    #[arg(long)]
     pub(crate) tests: bool,
     /// Print JSON
     #[arg(long)]
@@ -103,7 +103,6 @@ pub(crate) struct CheckScenesArgs {
 #[derive(Debug, Args)]
 pub(crate) struct SheetArgs {
     /// Scene to draw; default: an overview of all rendered scenes, as the held-out view sees them
-    #[arg(conflicts_with = "scenes")]
     pub(crate) scene: Option<String>,
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
@@ -117,10 +116,10 @@ pub(crate) struct SheetArgs {
     #[arg(long, value_name = "FRAME", value_delimiter = ',')]
     pub(crate) frames: Vec<u32>,
     /// Views; default: the held-out view and two training views
-    #[arg(long, value_name = "VIEW", value_delimiter = ',', requires = "scene")]
+    #[arg(long, value_name = "VIEW", value_delimiter = ',')]
     pub(crate) views: Vec<String>,
     /// Leave out outlines, numbers and queries
-    #[arg(long, requires = "scene")]
+    #[arg(long)]
     pub(crate) plain: bool,
     /// Replace a picture that l4d did not write
     #[arg(long)]
@@ -137,10 +136,9 @@ pub(crate) struct ComposeArgs {
     pub(crate) seed: u64,
     /// How many scenes, each of the next seed
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    #[arg(conflicts_with = "spec")]
     pub(crate) count: u32,
     /// outdoor, room or tabletop; default: in turn
-    #[arg(long, value_parser = one_of::<Scale>(Scale::ALL.map(Scale::as_str)), conflicts_with = "spec")]
+    #[arg(long, value_parser = one_of::<Scale>(Scale::ALL.map(Scale::as_str)))]
     pub(crate) scale: Option<Scale>,
     /// What the set is for: train, dev (seeds below 1000) or private (with --secret)
     #[arg(long, default_value = "train", value_parser = one_of::<SetSplit>(["train", "dev", "private"]))]
@@ -174,7 +172,7 @@ pub(crate) struct ComposeArgs {
     #[arg(long)]
     pub(crate) force: bool,
     /// Print the themes with their places, nouns and verbs instead
-    #[arg(long, conflicts_with = "out")]
+    #[arg(long)]
     pub(crate) list: bool,
     /// Blender processes at once
     #[arg(long, default_value_t = 1)]

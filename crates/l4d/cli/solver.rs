@@ -89,7 +89,7 @@ pub(crate) struct MethodArgs {
     #[arg(long)]
     pub(crate) no_consensus: bool,
     /// Give no answer where the votes of the views decide nothing; default of the preset robust: lift all candidate masks
-    #[arg(long, conflicts_with = "no_consensus")]
+    #[arg(long)]
     pub(crate) abstain: bool,
     /// How masks become an answer; default: what the preset says. SIRT, a graph, time (closed); sums of blend weights and a
     /// threshold (vote); the identity field of the paper (field)

@@ -22,7 +22,7 @@ pub(crate) struct TrainSplatsArgs {
     /// Pictures that are trained on, and where things are by default: tiny, small or full; real for captures
     #[arg(long, default_value = "small")]
     pub(crate) profile: Profile,
-    /// Folder of the benchmark: it says which draw of the scenes is meant
+    /// Folder of the benchmark: which scenes there are
     #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,
     #[command(flatten)]
@@ -109,7 +109,7 @@ pub(crate) struct RenderSplatsArgs {
     #[arg(long, value_name = "VIEW", value_delimiter = ',')]
     pub(crate) views: Vec<String>,
     /// Only these frames; default: those of the profile, or those of the capture that the model was trained on
-    #[arg(long, value_name = "FRAME", value_delimiter = ',', conflicts_with = "times")]
+    #[arg(long, value_name = "FRAME", value_delimiter = ',')]
     pub(crate) frames: Vec<u32>,
     /// Times instead of frames, 0 (start of the clip) to 1 (its end); those of the model where nothing says when it saw frames
     #[arg(long, value_name = "TIME", value_delimiter = ',', value_parser = number::<f32>(0.0..=1.0))]
@@ -246,7 +246,7 @@ pub(crate) struct BenchSplatsArgs {
     #[command(flatten)]
     pub(crate) work: WorkArgs,
     /// The model; default: <work>/<profile>/<scene>/splats
-    #[arg(long, value_name = "PATH", requires = "scene")]
+    #[arg(long, value_name = "PATH")]
     pub(crate) model: Option<PathBuf>,
     /// Gaussians of the made-up room
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
@@ -255,7 +255,7 @@ pub(crate) struct BenchSplatsArgs {
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
     /// Width and height of the pictures, pixels; default: those of the scene, 256x192 for the room
-    #[arg(long, value_name = "WxH", conflicts_with = "scene")]
+    #[arg(long, value_name = "WxH")]
     pub(crate) size: Option<PixelSize>,
     /// Only these changes (comma-separated or repeated); default: all. Fewer Gaussians (count), smaller pictures (resolution),
     /// other instructions, one thread or graphics adapters (rasterizer)

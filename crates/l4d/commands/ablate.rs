@@ -11,14 +11,11 @@ use l4d_score::Exam;
 use serde_json::json;
 
 use crate::cli::solver::{AblateArgs, GrounderArg, MethodArgs};
-use crate::out::{ExitStatus, Printer, hint_of, refusal};
+use crate::out::{ExitStatus, Printer, hint_of};
 use crate::{figures, rasterizer, solver};
 
 pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
     let is_oracle = args.method.grounder == GrounderArg::Oracle;
-    if args.method.noise.is_some() && !is_oracle {
-        return Err(refusal("--noise belongs to the oracle", "add --grounder oracle, or leave it out"));
-    }
     let grid = args.grid;
     let bench = Benchmark::open(&args.bench.bench)?;
     let space = args.work.space(args.bench.profile);

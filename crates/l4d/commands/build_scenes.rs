@@ -6,6 +6,7 @@ use l4d_blender::env::{BlenderEnv, scripts_folder};
 use l4d_blender::part::Part;
 use l4d_blender::plan::recipes;
 use l4d_data::layout::BenchDir;
+use l4d_data::name::choose_among;
 use l4d_data::store::list_folder;
 use l4d_data::tracks::Tracks;
 use l4d_data::{Benchmark, Name, Profile, Report, Workspace};
@@ -98,7 +99,7 @@ fn chosen_scenes(args: &BuildScenesArgs) -> Result<Vec<Name>> {
         true => Ok(Name::new(name)?),
         false => Err(refusal(
             format!("there is no scene `{}`", name.escape_debug()),
-            format!("choose among {}", known.join(", ")),
+            choose_among(&name, &known.iter().map(String::as_str).collect::<Vec<_>>()),
         )),
     };
     wanted.into_iter().map(choose).collect()

@@ -15,5 +15,8 @@ pub(crate) fn run(args: &CheckResultsArgs, out: &Printer) -> Result<ExitStatus> 
     exam.most_bytes = args.max_megabytes.saturating_mul(MEGABYTE);
     let methods = check_results(&args.results, &exam, &mut report)?;
     out.note(format!("checked {methods} method{}", if methods == 1 { "" } else { "s" }));
-    out.findings(report, args.json)
+    match args.json || args.all {
+        true => out.findings(report, args.json),
+        false => out.causes(report, "--all lists each"),
+    }
 }

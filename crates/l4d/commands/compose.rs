@@ -9,14 +9,13 @@ use l4d_blender::env::BlenderEnv;
 use l4d_compose::set::{Made, SetOrder, compose_set};
 use l4d_compose::wish::{self, Ask, Secret};
 use l4d_data::Benchmark;
-use l4d_data::benchmark::SetSplit;
 use l4d_data::composition::Composition;
 use l4d_data::layout::BenchDir;
 use l4d_query::prove::words;
 use serde_json::json;
 
 use crate::cli::scenes::ComposeArgs;
-use crate::out::{ExitStatus, Printer, refusal, table};
+use crate::out::{ExitStatus, Printer, table};
 use crate::shipped;
 
 pub(crate) fn run(args: &ComposeArgs, out: &Printer) -> Result<ExitStatus> {
@@ -26,11 +25,7 @@ pub(crate) fn run(args: &ComposeArgs, out: &Printer) -> Result<ExitStatus> {
         return list(&themes(&env, &choice.work)?, args, out);
     };
     shipped::require_own(folder)?;
-    let secret = match (args.split, &args.secret) {
-        (SetSplit::Private, Some(path)) => Some(wish::read_secret(path)?),
-        (_, Some(_)) => return Err(refusal("--secret is for private sets", "add --split private")),
-        (_, None) => None,
-    };
+    let secret = args.secret.as_deref().map(wish::read_secret).transpose()?;
     let wishes = wishes(args, secret.as_ref())?;
     let avoid = match &args.avoid {
         Some(bench) => sentences(bench)?,

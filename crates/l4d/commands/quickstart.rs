@@ -6,7 +6,6 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
-use clap::Parser as _;
 use l4d_data::benchmark::Manifest;
 use l4d_data::error::inert;
 use l4d_data::layout::{BenchDir, WorkDir};
@@ -37,7 +36,7 @@ pub(crate) fn run(
     for (what, verb) in steps(args, &scene, folder) {
         let line: Vec<String> = std::iter::once("l4d".to_owned()).chain(verb).collect();
         out.note(format!("\n# {what}\n$ {}", line.join(" ")));
-        let cli = Cli::try_parse_from(&line).context("a step of the quickstart does not parse")?;
+        let (cli, _) = Cli::read(&line).context("a step of the quickstart does not parse")?;
         if run_verb(&cli.command)? == ExitStatus::Findings {
             out.note("the step above reported findings; the quickstart stops here");
             return Ok(ExitStatus::Findings);

@@ -53,11 +53,19 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
         }
         out.data(footer(&summaries, &exam))?;
     }
-    out.any_findings(report)?;
+    tell(report, out)?;
     if !summaries.is_empty() {
         out.note(format!("counts and summaries are in {}/<method>/", scores.display()));
     }
     Ok(status)
+}
+
+/// What was found, by cause.
+fn tell(report: Report, out: &Printer) -> Result<()> {
+    if !report.is_empty() {
+        out.causes(report, "`l4d check-results --all` lists each")?;
+    }
+    Ok(())
 }
 
 /// From the rows that were just written, as anyone else has them.

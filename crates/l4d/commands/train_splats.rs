@@ -1,10 +1,12 @@
 //! `l4d train-splats`: a 4D model of a scene, learned from its training cameras.
 
+use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Result;
-use l4d_data::Name;
+use l4d_data::name::meant;
 use l4d_data::results::Track;
+use l4d_data::{Benchmark, Name};
 use l4d_splat::checkpoint::own::Sampling;
 use l4d_splat::training_run::{Order, Settings, train_scene};
 
@@ -15,6 +17,9 @@ use crate::rasterizer;
 pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.scene)?;
     let space = args.work.space(args.profile);
+    if !space.scene(&name).root().exists() {
+        refuse_misspelt(&args.scene, &args.bench)?;
+    }
     let opened = rasterizer::open(&args.adapter.adapter)?;
     let order = Order {
         scene: &name,
@@ -40,6 +45,16 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         false => out.data(trained.table())?,
     }
     Ok(ExitStatus::Success)
+}
+
+/// Refuses a name that misspells a scene of the benchmark; one that does not may be a scene of its own.
+fn refuse_misspelt(scene: &str, bench: &Path) -> Result<()> {
+    let Ok(bench) = Benchmark::open(bench) else { return Ok(()) };
+    let known: Vec<&str> = bench.manifest.scenes.iter().map(Name::as_str).collect();
+    if !known.contains(&scene) && meant(scene, &known).is_some() {
+        bench.scene(scene)?;
+    }
+    Ok(())
 }
 
 fn settings(args: &TrainSplatsArgs) -> Settings {

@@ -5,8 +5,9 @@ use std::time::Instant;
 
 use anyhow::Result;
 use l4d_data::layout::{BenchDir, ResultsDir, SceneDir};
+use l4d_data::name::choose_among;
 use l4d_data::query::read_queries;
-use l4d_data::store::{Claim, folder_of, write_atomic};
+use l4d_data::store::{Claim, folder_of, list_folder, write_atomic};
 use l4d_data::tracks::Tracks;
 use l4d_data::truth::Truth;
 use l4d_data::{DataError, Name, Rig, Scene};
@@ -91,7 +92,16 @@ fn methods(args: &ShownArgs) -> Result<Vec<(String, ResultsDir)>> {
             return Ok((name.clone(), folder));
         }
         let message = format!("{}: there are no results of a method", folder.root().display());
-        Err(refusal(message, "name folders of --results that have a method.json"))
+        let there = list_folder(&args.results).unwrap_or_default();
+        let is_method = |name: &&String| ResultsDir::new(args.results.join(name)).card().is_file();
+        let there: Vec<&str> = there.iter().filter(is_method).map(String::as_str).collect();
+        Err(refusal(
+            message,
+            match there.is_empty() {
+                true => "name folders of --results that have a method.json".to_owned(),
+                false => choose_among(name, &there),
+            },
+        ))
     };
     args.methods.iter().map(folder).collect()
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use anyhow::{Context as _, Result};
 use l4d_blender::python::Environment;
 use l4d_data::workspace::SharedWork;
-use l4d_endpoint::Calibrations;
+use l4d_endpoint::{Calibrations, Link};
 use l4d_ground::GrounderFile;
 use l4d_ground::vlm::Vlm;
 use l4d_ground::worker::{FrameStore, Segmenter, TextGrounder, Worker, WorkerError, WorkerTimeouts};
@@ -33,6 +33,12 @@ pub(super) fn open(path: &Path, server: &ServerArgs, work: &SharedWork, out: &Pr
     let frames = FrameStore::new(work.segmenter_frames());
     let segmenter = Arc::new(Segmenter::new(worker, frames, file.threshold()));
     let Some(coupling) = file.coupling() else {
+        if let Some(flag) = asked_for(server) {
+            return Err(refusal(
+                format!("{flag} does not apply to {}: its segmenter alone is asked", path.display()),
+                format!("add `coupling` to the file (docs/workers.md), or leave out {flag}"),
+            ));
+        }
         return Ok(Grounders::Shared(Arc::new(TextGrounder::new(segmenter).map_err(of_worker)?)));
     };
     let client = open_client(server)?;
@@ -47,4 +53,21 @@ pub(super) fn open(path: &Path, server: &ServerArgs, work: &SharedWork, out: &Pr
 fn of_worker(error: WorkerError) -> anyhow::Error {
     let hint = error.hint();
     refusal(format!("segmenter: {error}"), hint)
+}
+
+/// The first option that only a model server is asked with.
+fn asked_for(server: &ServerArgs) -> Option<&'static str> {
+    let ServerArgs { endpoint, cache: _, refresh, max_cost, max_tokens_total } = server;
+    let given = [
+        ("--endpoint", endpoint.endpoint.is_some()),
+        ("--base-url", endpoint.base_url.is_some()),
+        ("--model", endpoint.model.is_some()),
+        ("--api-key-env", endpoint.api_key_env.is_some()),
+        ("--server", endpoint.server.is_some()),
+        ("--link", endpoint.link != Link::Live),
+        ("--refresh", *refresh),
+        ("--max-cost", max_cost.is_some()),
+        ("--max-tokens-total", max_tokens_total.is_some()),
+    ];
+    given.into_iter().find(|(_, is_given)| *is_given).map(|(flag, _)| flag)
 }

@@ -216,7 +216,10 @@ fn fewest_views(order: &Ablation<'_>) -> Result<(usize, Name)> {
         if !path.exists() {
             return Err(StageError::new(
                 format!("{}: there is no scene", path.display()),
-                format!("{}, or choose another --data", how_scenes_are_made(&scene.name, exam.profile)),
+                format!(
+                    "{}, or choose another --data",
+                    how_scenes_are_made(&scene.name, exam.profile, order.space.scene(&scene.name).root())
+                ),
             ));
         }
         let count = Rig::read(&path)?.training().len();

@@ -59,7 +59,10 @@ impl PictureSource {
         if !path.exists() {
             return Err(StageError::new(
                 format!("{}: there is no scene", dir.root().display()),
-                format!("{}, or choose another --data", how_scenes_are_made(order.scene, order.profile)),
+                format!(
+                    "{}, or choose another --data",
+                    how_scenes_are_made(order.scene, order.profile, dir.root())
+                ),
             ));
         }
         if order.profile.is_rendered() { Self::of_rendered(order) } else { Self::of_capture(order) }

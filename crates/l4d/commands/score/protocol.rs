@@ -3,11 +3,11 @@
 use anyhow::Result;
 use l4d_data::Report;
 use l4d_data::workspace::default_scores;
-use l4d_score::protocols::{OnMissing, Protocolled, judge_results, render};
-use l4d_score::{Exam, Missing, Options, Protocol};
+use l4d_score::protocols::{Protocolled, judge_results, render};
+use l4d_score::{Exam, Options, Protocol};
 
 use crate::cli::judging::ScoreArgs;
-use crate::out::{ExitStatus, Printer, refusal};
+use crate::out::{ExitStatus, Printer};
 
 pub(super) fn run(
     args: &ScoreArgs,
@@ -17,18 +17,6 @@ pub(super) fn run(
     mut report: Report,
     out: &Printer,
 ) -> Result<ExitStatus> {
-    if options.hit_iou > 0.0 {
-        return Err(refusal(
-            format!("--hit-iou is no part of the protocol {protocol}"),
-            "drop it, or score with --protocol l4d",
-        ));
-    }
-    if options.missing != Missing::Error && protocol.rules().on_missing == OnMissing::OwnRule {
-        return Err(refusal(
-            format!("the protocol {protocol} says itself what a missing mask means"),
-            "drop --missing",
-        ));
-    }
     let scores =
         args.scores.clone().unwrap_or_else(|| default_scores(exam.set.as_str(), Some(protocol.as_str())));
     let progress = |name: &str| out.note(format!("read {name}"));
@@ -42,7 +30,7 @@ pub(super) fn run(
     if !judged.sheets.is_empty() {
         out.data(render(protocol, &judged.sheets))?;
     }
-    out.any_findings(report)?;
+    super::tell(report, out)?;
     if !judged.sheets.is_empty() {
         out.note(format!("values of every query are in {}/<method>/", scores.display()));
     }
