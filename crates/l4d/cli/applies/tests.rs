@@ -283,7 +283,9 @@ fn every_option_is_said_to_apply_always_or_by_rule() {
         let here = RULES.iter().filter(|rule| rule.verbs.contains(&verb.name.as_str()));
         let ruled: BTreeSet<&str> = here.clone().flat_map(|rule| rule.options).copied().collect();
         ruled.iter().chain(&always).for_each(|id| assert!(verb.argument(id).get_long().is_some(), "{id}"));
-        here.flat_map(|rule| choices_of(&rule.when)).for_each(|id| drop(verb.argument(id)));
+        for choice in here.flat_map(|rule| choices_of(&rule.when)) {
+            verb.argument(choice);
+        }
         for option in verb.options().map(|option| option.get_id().as_str()) {
             let (is_ruled, is_always) = (ruled.contains(option), always.contains(option));
             assert!(
