@@ -118,7 +118,7 @@ fn a_file_that_names_no_worker_is_refused() {
     grounder(&dir, "worker = \"box\"", "nowhere");
     dir.refuses(SOLVE, &["nowhere", "not there", "`package`"]);
     let panoptic = "solve --profile tiny --data data --dry-run";
-    dir.refuses(panoptic, &["panoptic asks no model server"]);
+    dir.refuses(panoptic, &["--dry-run does not apply to --grounder panoptic"]);
     assert_eq!(server.count(), 0);
 }
 

@@ -340,8 +340,8 @@ fn what_can_be_said_is_listed() {
     let dir = Dir::new();
     let run = dir.succeed("query ball --words");
     run.says(0, &["things: apple, ", "colour: ", "verbs: ", "beside: \"", "first to: \""]);
-    dir.refuses("query ball --words --grounder oracle", &["the grounder oracle has no list of words"]);
-    dir.run("query ball").says(2, &["<TEXT|--words>"]);
+    dir.refuses("query ball --words --grounder oracle", &["--words does not apply to --grounder oracle"]);
+    dir.run("query ball").says(2, &["<TEXT>"]);
 }
 
 #[test]
@@ -368,6 +368,6 @@ fn controls_take_away_what_is_seen_or_said_and_are_never_ranked() {
     assert_eq!(asked, told, "each sentence is handed on once");
     dir.refuses(
         format!("{SOLVE} --control blank-pictures --grounder oracle"),
-        &["--control does not apply to the grounder oracle"],
+        &["--control does not apply to --grounder oracle"],
     );
 }

@@ -159,7 +159,10 @@ fn scenes_that_cannot_be_learned_are_refused_with_the_place_and_a_remedy() {
     dir.write(frame, &bytes[..bytes.len() / 2]);
     train(&dir, FEW).refused(&["cam02/0048.exr"]);
     let sheet = format!("sheet {SCENE} --profile tiny --data data --views cam02 --frames 48");
-    dir.refuses(&sheet, &["cam02/0048.exr", "delete the file and run `l4d build-scenes` again"]);
+    dir.refuses(
+        &sheet,
+        &["cam02/0048.exr", "delete the file and run `l4d build-scenes --profile tiny --data data` again"],
+    );
     dir.remove(frame);
     dir.refuses(&sheet, &["cam02/0048.exr"]);
     train(&dir, FEW).refused(&["cam02/0048.exr"]);

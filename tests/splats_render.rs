@@ -354,5 +354,5 @@ fn the_bench_of_a_scene_compares_with_its_held_out_pictures() {
 
     dir.remove("data/tiny/room/frames/cam08/0096.exr");
     dir.run(bench).says(2, &["0096.exr: cannot open"]);
-    dir.run("bench splats --model x").says(2, &["<SCENE>"]);
+    dir.run("bench splats --model x").says(2, &["--model does not apply without the scene"]);
 }

@@ -8,6 +8,7 @@ mod out;
 mod published_votes;
 mod rasterizer;
 mod shipped;
+mod shown;
 mod solver;
 mod stopping;
 

@@ -39,6 +39,14 @@ impl WorkArgs {
 
 /// What `--grounder` names.
 pub(crate) fn open_grounders(args: &MethodArgs, work: &SharedWork, out: &Printer) -> Result<Grounders> {
+    if let Some(path) = &args.grounder_file {
+        model::require_use_of(&args.server, path)?;
+    }
+    open_one_of(args, work, out)
+}
+
+/// The same where options of a model server may be for other grounders of the run.
+pub(crate) fn open_one_of(args: &MethodArgs, work: &SharedWork, out: &Printer) -> Result<Grounders> {
     let panoptic = || args.weights.as_deref().map_or_else(Panoptic::shipped, Panoptic::open).map(Arc::new);
     let lacking = |flag: &str| refusal(format!("grounder {} needs {flag}", args.grounder.as_str()), "add it");
     Ok(match args.grounder {

@@ -127,8 +127,9 @@ impl Drop for Server {
 /// Demands that a downloaded scene shows, picture by picture, what the built one does.
 fn expect_same_pictures(built: &Path, downloaded: &Path, scene: &str) {
     let (built, downloaded) = (SceneDir::new(built, scene), SceneDir::new(downloaded, scene));
-    let display = Display::new(1.0);
-    for camera in Scene::read(&downloaded.scene()).unwrap().cameras {
+    let scene = Scene::read(&downloaded.scene()).unwrap();
+    let display = Display::new(scene.exposure);
+    for camera in scene.cameras {
         let view = camera.name;
         for frame in Profile::Tiny.frames() {
             let [a, b] = [&built, &downloaded]
@@ -144,7 +145,7 @@ fn what_was_released_comes_back() {
     let dir = published();
     let server = Server::start(dir.path(RELEASE), u64::MAX);
     let line = format!("download {} {THERE}", server.url());
-    dir.succeed(&line).says(0, &["two 0.1.0: 2 scenes", "0 were here", "tables are in"]);
+    dir.succeed(&line).says(0, &["Two 0.1.0: 2 scenes", "0 were here", "tables are in"]);
     assert_eq!(dir.tree("there/benchmark"), dir.tree("benchmark"));
     for scene in ["room_living_cats", "tabletop_mouse_cups"] {
         expect_same_pictures(&dir.path("data/tiny"), &dir.path("there/data/tiny"), scene);

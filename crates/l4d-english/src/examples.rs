@@ -36,9 +36,9 @@ pub fn examples(words: &Words<'_>) -> Vec<(&'static str, String)> {
         ("not", "cat", json!({"not": does("walk")})),
         ("at the start", "cup", json!({"at_start": is("on", "table")})),
         ("at the end", "cup", json!({"at_end": is("on", "table")})),
-        ("first to", "child", json!({"first": does("sit_down")})),
-        ("last to", "child", json!({"last": does("sit_down")})),
-        ("one thing, then another", "dog", json!({"then": [does("walk"), does("sit_down")]})),
+        ("first to", "child", json!({"first": does("jump")})),
+        ("last to", "child", json!({"last": does("jump")})),
+        ("one thing, then another", "dog", json!({"then": [does("walk"), does("jump")]})),
     ];
     let sentence = |(what, noun, clause): (&'static str, &str, serde_json::Value)| {
         let predicate = Predicate::from_json(&json!([{"category": noun}, clause])).ok()?;

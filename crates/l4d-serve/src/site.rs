@@ -24,7 +24,7 @@ use crate::desk::Desk;
 const MOST_BYTES: usize = 16 << 10;
 /// Longest sentence, characters.
 pub(crate) const LONGEST: usize = 500;
-/// The page is one file: nothing is fetched from anywhere else, and nobody may show it in a frame.
+/// The page is one file: nothing is fetched from anywhere else, and no other page may show it in a frame.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; \
                       connect-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
 

@@ -133,6 +133,7 @@ pub fn ask(order: &Ask<'_>, progress: &dyn Progress) -> Result<Asked, StageError
         return Err(StageError::new("the sentence says when, and so do --from and --to", hint));
     }
     let range = span::interval(spoken.unwrap_or(order.span), timeline)?;
+    let number = number.or_else(|| known.number_of(text));
     let question = Question { scene: order.scene.clone(), number, text: text.to_owned(), range };
     if question.number.is_none() && order.grounders.knows_queries_alone() {
         return Err(known.refusal(order.grounder, text));

@@ -71,7 +71,7 @@ impl Given {
 }
 
 fn has(command: &Command, id: &str) -> bool {
-    command.get_arguments().any(|argument: &Arg| argument.get_id() == id && argument.get_long() == Some(id))
+    command.get_arguments().any(|argument: &Arg| argument.get_id() == id && argument.get_long().is_some())
 }
 
 /// A value as a shell takes it for one word.

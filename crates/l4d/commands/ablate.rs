@@ -34,7 +34,7 @@ pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
             },
             None => args.method.clone(),
         };
-        solver::open_grounders(&method, &space.shared(), out).map_err(|error| {
+        solver::open_one_of(&method, &space.shared(), out).map_err(|error| {
             StageError::of(
                 error.as_ref(),
                 hint_of(&error).unwrap_or_else(|| "see docs/panopticquery.md".to_owned()),

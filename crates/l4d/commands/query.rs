@@ -6,14 +6,14 @@ use l4d_solve::ask::{Ask, Asked, Stages, ask};
 use l4d_solve::grounders::Grounders;
 
 use crate::cli::solver::QueryArgs;
-use crate::out::{ExitStatus, Printer, refusal};
+use crate::out::{ExitStatus, Printer};
 use crate::{rasterizer, solver};
 
 pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
     let space = args.work.space(args.profile);
     let grounders = solver::open_grounders(&args.method, &space.shared(), out)?;
     if args.words {
-        return words(args, &grounders, out);
+        return words(&grounders, out);
     }
     let opened = rasterizer::open(&args.method.adapter.adapter)?;
     let order = Ask {
@@ -45,14 +45,8 @@ pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
 }
 
 /// What a sentence may say to a grounder that knows a list of words.
-fn words(args: &QueryArgs, grounders: &Grounders, out: &Printer) -> Result<ExitStatus> {
+fn words(grounders: &Grounders, out: &Printer) -> Result<ExitStatus> {
     let rows = grounders.of_any_scene().map(|grounder| grounder.words()).unwrap_or_default();
-    if rows.is_empty() {
-        return Err(refusal(
-            format!("the grounder {} has no list of words", args.method.grounder.as_str()),
-            "leave out --words, or choose --grounder panoptic",
-        ));
-    }
     rows.iter().try_for_each(|(what, words)| out.data(format!("{what}: {words}")))?;
     Ok(ExitStatus::Success)
 }

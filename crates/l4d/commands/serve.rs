@@ -8,9 +8,9 @@ use l4d_solve::method::MethodChoice;
 use serde_json::{Value, json};
 
 use crate::cli::splats::ServeArgs;
-use crate::commands::view::{page_of, summary};
 use crate::out::{ExitStatus, Printer};
 use crate::rasterizer::{self, Opened};
+use crate::shown::{page_of, summary};
 use crate::solver;
 
 pub(crate) fn run(args: &ServeArgs, out: &Printer) -> Result<ExitStatus> {
@@ -29,7 +29,7 @@ pub(crate) fn run(args: &ServeArgs, out: &Printer) -> Result<ExitStatus> {
     let answerer = Box::new(move |text: &str, progress: &dyn Progress| asker.answer(text, progress));
     l4d_serve::serve(page.html, answerer, args.port, |address| {
         out.note("Ctrl-C ends it; no other machine can reach this page");
-        // A line for people and scripts; where nobody reads it, there is a page all the same.
+        // A line for people and scripts; where it is not read, there is a page all the same.
         let _unread = out.data(format!("http://{address}/"));
     })?;
     Ok(ExitStatus::Success)

@@ -18,12 +18,6 @@ pub(crate) fn run(args: &SolveArgs, out: &Printer) -> Result<ExitStatus> {
     let grounders = solver::open_grounders(&args.method, &space.shared(), out)?;
     let opened = rasterizer::open(&args.method.adapter.adapter)?;
     let method = args.method.choice();
-    if args.control.is_some() && grounders.knows_queries_alone() {
-        return Err(refusal(
-            format!("--control does not apply to the grounder {}", args.method.grounder.as_str()),
-            "leave it out, or choose a grounder that looks at pictures and reads sentences",
-        ));
-    }
     let default_name = || {
         let name = method.default_name(args.method.grounder.as_str(), args.method.noise.is_some(), args.set);
         match args.control {

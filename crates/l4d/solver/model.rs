@@ -33,12 +33,6 @@ pub(super) fn open(path: &Path, server: &ServerArgs, work: &SharedWork, out: &Pr
     let frames = FrameStore::new(work.segmenter_frames());
     let segmenter = Arc::new(Segmenter::new(worker, frames, file.threshold()));
     let Some(coupling) = file.coupling() else {
-        if let Some(flag) = asked_for(server) {
-            return Err(refusal(
-                format!("{flag} does not apply to {}: its segmenter alone is asked", path.display()),
-                format!("add `coupling` to the file (docs/workers.md), or leave out {flag}"),
-            ));
-        }
         return Ok(Grounders::Shared(Arc::new(TextGrounder::new(segmenter).map_err(of_worker)?)));
     };
     let client = open_client(server)?;
@@ -53,6 +47,18 @@ pub(super) fn open(path: &Path, server: &ServerArgs, work: &SharedWork, out: &Pr
 fn of_worker(error: WorkerError) -> anyhow::Error {
     let hint = error.hint();
     refusal(format!("segmenter: {error}"), hint)
+}
+
+/// Refuses options of a model server with a file that asks none.
+pub(super) fn require_use_of(server: &ServerArgs, path: &Path) -> Result<()> {
+    let asks = GrounderFile::read(path).context("--grounder-file")?.coupling().is_some();
+    match asked_for(server).filter(|_| !asks) {
+        Some(flag) => Err(refusal(
+            format!("{flag} does not apply to {}: its segmenter alone is asked", path.display()),
+            format!("add `coupling` to the file (docs/workers.md), or leave out {flag}"),
+        )),
+        None => Ok(()),
+    }
 }
 
 /// The first option that only a model server is asked with.

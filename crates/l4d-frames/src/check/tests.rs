@@ -61,7 +61,8 @@ fn scene_json_missing_or_of_another_profile() {
     let (stats, findings) = check(&fake);
     assert!(stats.is_none());
     assert_eq!(findings[0].code, "L4D101");
-    assert!(findings[0].path.ends_with("yard/scene.json"));
+    assert!(findings[0].path.ends_with("yard"), "{}", findings[0].path);
+    assert!(findings[0].message.contains("the render was interrupted"), "{}", findings[0].message);
 }
 
 #[test]

@@ -63,7 +63,7 @@ impl Record {
         self.files.insert(file, unpacked);
     }
 
-    /// Removes what became of a file, as far as nobody changed it: it is to be unpacked again.
+    /// Removes what became of a file, unless it was changed: it is to be unpacked again.
     pub(super) fn clear(&mut self, file: &str, target: &Path) -> Result<(), DataError> {
         let Some(unpacked) = self.files.remove(file).filter(|unpacked| unpacked.target == target) else {
             return Ok(());

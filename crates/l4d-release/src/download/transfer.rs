@@ -68,7 +68,7 @@ pub(super) fn fetch(base: &dyn Base, file: &str, sha256: &str, folder: &Path) ->
 pub(super) fn altered(name: &str) -> StageError {
     StageError::new(
         format!("{name}: bytes are not those that SHA256SUMS lists"),
-        "run the same command again; if it says the same, ask whoever publishes the release",
+        "run the same command again; if it says the same, ask the publisher of the release",
     )
 }
 

@@ -16,7 +16,7 @@ use tar::Archive;
 use super::Decode;
 
 const REMEDY: &str = "move it away, or name other folders with --data, --work and --bench";
-const DAMAGED: &str = "ask whoever publishes the release";
+const DAMAGED: &str = "ask the publisher of the release";
 /// So many samples are in memory at a time.
 const AT_ONCE: usize = 16;
 

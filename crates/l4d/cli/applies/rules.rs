@@ -3,7 +3,7 @@
 use super::Rule;
 use super::When::{Any, Is, With, Without};
 
-const SOLVERS: &[&str] = &["solve", "query", "ablate"];
+const SOLVERS: &[&str] = &["solve", "query", "serve", "ablate"];
 /// What only a model server is asked with.
 const SERVER: &[&str] = &[
     "endpoint",
@@ -41,7 +41,7 @@ pub(super) const RULES: &[Rule] = &[
     },
     Rule {
         verbs: &["build-scenes"],
-        options: &["shard", "samples", "overwrite"],
+        options: &["views", "frames", "shard", "samples", "overwrite"],
         when: Without("tracks_only"),
     },
     Rule { verbs: &["sheet"], options: &["scenes"], when: Without("scene") },
@@ -83,6 +83,7 @@ pub(super) const RULES: &[Rule] = &[
             "propose-scenes",
             "solve",
             "query",
+            "serve",
             "ablate",
         ],
         options: &["api_key_env"],
@@ -91,8 +92,12 @@ pub(super) const RULES: &[Rule] = &[
     // Splats.
     Rule { verbs: &["train-splats"], options: &["shrink", "every"], when: Is("profile", &["real"]) },
     Rule { verbs: &["render-splats"], options: &["frames"], when: Without("times") },
-    Rule { verbs: &["view"], options: &["results"], when: With("methods") },
-    Rule { verbs: &["view"], options: &["no_pictures"], when: Is("profile", &["tiny", "small", "full"]) },
+    Rule { verbs: &["view", "serve"], options: &["results"], when: With("methods") },
+    Rule {
+        verbs: &["view", "serve"],
+        options: &["no_pictures"],
+        when: Is("profile", &["tiny", "small", "full"]),
+    },
     Rule { verbs: &["bench splats"], options: &["model"], when: With("scene") },
     Rule { verbs: &["bench splats"], options: &["gaussians", "seed", "size"], when: Without("scene") },
     Rule {
@@ -101,7 +106,42 @@ pub(super) const RULES: &[Rule] = &[
         when: Any(&[Is("sweeps", &["rasterizer"]), Without("sweeps")]),
     },
     // The reference solver.
-    Rule { verbs: &["solve", "query"], options: SERVER, when: Is("grounder", &["model"]) },
+    Rule { verbs: &["solve", "query", "serve"], options: SERVER, when: Is("grounder", &["model"]) },
+    Rule {
+        verbs: &["solve"],
+        options: &["control"],
+        when: Is("grounder", &["panoptic", "panoptic-fused", "model"]),
+    },
+    Rule { verbs: &["query"], options: &["words"], when: Is("grounder", &["panoptic", "panoptic-fused"]) },
+    Rule {
+        verbs: &["query"],
+        options: &[
+            "from",
+            "to",
+            "preset",
+            "views",
+            "view_seed",
+            "clip_size",
+            "clip_every",
+            "no_consensus",
+            "abstain",
+            "lift",
+            "adapter",
+            "splats",
+            "reader",
+            "sh_degree",
+            "near",
+            "camera",
+            "cameras",
+            "time",
+            "size",
+            "explain",
+            "out",
+            "force",
+            "json",
+        ],
+        when: Without("words"),
+    },
     Rule {
         verbs: &["ablate"],
         options: SERVER,
@@ -227,8 +267,9 @@ pub(super) const RULES: &[Rule] = &[
     // Publishing.
     Rule {
         verbs: &["release"],
-        options: &["date", "url", "creators", "profile", "data", "since", "rounds", "out"],
+        options: &["date", "url", "creators", "profile", "data", "work", "since", "rounds", "out"],
         when: Without("check"),
     },
-    Rule { verbs: &["release"], options: &["data"], when: With("profile") },
+    Rule { verbs: &["release"], options: &["data", "work"], when: With("profile") },
+    Rule { verbs: &["cluster init"], options: &["partition", "account"], when: Is("engine", &["slurm"]) },
 ];
