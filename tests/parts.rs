@@ -22,7 +22,7 @@ fn views_and_frames_that_are_not_there_are_refused_with_those_that_are() {
     for wrong in ["24-12", "0-97", "0-24:0", "all", "0,,12"] {
         refused(&format!("--frames {wrong}"), &["are no frames of 0 to 96: write 12, 0-24 or 0-48:4"]);
     }
-    refused("--frames 0 --tracks-only", &["cannot be used with", "--tracks-only"]);
+    refused("--frames 0 --tracks-only", &["--frames does not apply beside --tracks-only"]);
     // What is there gets as far as the interpreter.
     refused("--views cam00 --frames 0-48:4 --shard 1/2", &["/nonexistent/python: cannot run"]);
 }

@@ -203,8 +203,10 @@ impl MethodCard {
         for (field, value) in &given {
             let mut card = sound.clone();
             card.insert(field.clone(), value.clone());
-            if let Err(error) = serde_json::from_value::<Self>(Value::Object(card)) {
-                errors.push(invalid(path, field, error.to_string()));
+            if let Err(error) = serde_path_to_error::deserialize::<_, Self>(Value::Object(card)) {
+                let place = error.path().to_string();
+                let place = if place.starts_with(field.as_str()) { &place } else { field };
+                errors.push(invalid(path, place, error.inner().to_string()));
             }
         }
         Err(if errors.is_empty() { vec![first] } else { errors })
@@ -286,7 +288,7 @@ mod tests {
         let errors = MethodCard::parse_all(Path::new("results/m/method.json"), bytes).unwrap_err();
         let said: Vec<String> = errors.iter().map(DataError::to_string).collect();
         let fields =
-            ["benchmark_version", "truth_digest", "protocol", "colour", "profile", "used", "version"];
+            ["benchmark_version", "truth_digest", "protocol", "colour", "profile", "used.truth", "version"];
         for field in fields {
             assert!(said.iter().any(|line| line.contains(&format!("field `{field}`"))), "{field}: {said:?}");
         }

@@ -68,10 +68,10 @@ pub(crate) struct BuildScenesArgs {
     #[arg(long, default_value_t = 1)]
     pub(crate) jobs: usize,
     /// Only these views (comma-separated or repeated), by their names in the scene's cameras, e.g. cam02,cam09
-    #[arg(long, value_name = "NAME", value_delimiter = ',', conflicts_with = "tracks_only")]
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub(crate) views: Vec<String>,
     /// Only these canonical frames, as far as the profile renders them, e.g. 0-24 or 0,12,48 or 0-48:4
-    #[arg(long, value_name = "RANGE", conflicts_with = "tracks_only")]
+    #[arg(long, value_name = "RANGE")]
     pub(crate) frames: Option<FrameList>,
     /// Render part i of n of the pictures that are asked for (a deterministic partition for clusters), e.g. 2/8
     #[arg(long, value_name = "I/N")]
