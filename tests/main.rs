@@ -39,4 +39,5 @@ mod splats_render;
 mod support;
 mod unchanged;
 mod words;
+mod workflow;
 mod world;
