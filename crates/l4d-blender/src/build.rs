@@ -17,7 +17,7 @@ use crate::settle::{commit, commit_truth, settle};
 
 /// What is to be built.
 #[derive(Debug)]
-pub struct Order<'a> {
+pub struct BuildRequest<'a> {
     /// Recipes.
     pub scenes: &'a [Name],
     /// Of those in Python.
@@ -59,31 +59,31 @@ pub struct Built {
 /// Whatever planning, rendering and settling meet. Committed tracks or truth that differ are findings (L4D120).
 pub fn build(
     env: &BlenderEnv,
-    order: &Order<'_>,
+    request: &BuildRequest<'_>,
     progress: &dyn Progress,
     report: &mut Report,
 ) -> Result<Built> {
-    let profile = order.space.profile();
+    let profile = request.space.profile();
     // Some scenes at once: a plan is mostly one thread's work.
-    let recipe = |name| Recipe::of(order.bench, name, order.seed);
-    let recipes: Vec<Recipe> = order.scenes.iter().map(recipe).collect::<Result<_>>()?;
-    let plans = in_parallel(&recipes, order.jobs, |recipe| {
+    let recipe = |name| Recipe::of(request.bench, name, request.seed);
+    let recipes: Vec<Recipe> = request.scenes.iter().map(recipe).collect::<Result<_>>()?;
+    let plans = in_parallel(&recipes, request.jobs, |recipe| {
         progress.note(&format_args!("planning {}", recipe.scene));
-        plan(env, &order.space.scene(&recipe.scene), recipe, order.work, progress)
+        plan(env, &request.space.scene(&recipe.scene), recipe, request.work, progress)
     })?;
     let mut planned = Vec::new();
     for (recipe, plan) in recipes.into_iter().zip(plans) {
-        order.part.check(&plan.tracks, profile)?;
-        commit(&order.bench.tracks(&recipe.scene), &plan.tracks, order.update_benchmark, report)?;
-        let dir = order.space.scene(&recipe.scene);
-        planned.push(PlannedScene::new(recipe, dir, plan, profile, order.samples));
+        request.part.check(&plan.tracks, profile)?;
+        commit(&request.bench.tracks(&recipe.scene), &plan.tracks, request.update_benchmark, report)?;
+        let dir = request.space.scene(&recipe.scene);
+        planned.push(PlannedScene::new(recipe, dir, plan, profile, request.samples));
     }
-    if order.tracks_only {
+    if request.tracks_only {
         return Ok(Built::default());
     }
-    planned.iter().try_for_each(|scene| scene.claim(order.overwrite))?;
-    let rendered = Some(render(env, &planned, order.part, order.jobs, order.work, progress)?);
-    if !order.part.is_all() {
+    planned.iter().try_for_each(|scene| scene.claim(request.overwrite))?;
+    let rendered = Some(render(env, &planned, request.part, request.jobs, request.work, progress)?);
+    if !request.part.is_all() {
         let unfinished: Vec<Name> = planned
             .iter()
             .filter(|scene| !scene.is_whole())
@@ -98,9 +98,9 @@ pub fn build(
         sweep(scene.dir.root())?;
         let truth = settle(scene)?;
         commit_truth(
-            &order.bench.truth(profile, &scene.recipe.scene),
+            &request.bench.truth(profile, &scene.recipe.scene),
             &truth,
-            order.update_benchmark,
+            request.update_benchmark,
             report,
         )?;
         settled.push(scene.dir.root().to_owned());

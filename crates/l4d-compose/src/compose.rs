@@ -33,7 +33,7 @@ pub type Say<'s> = &'s dyn Fn(&Predicate, Temporal) -> Vec<String>;
 
 /// What is wanted beside the scene itself.
 #[derive(Debug, Clone, Copy)]
-pub struct Order<'o> {
+pub struct QueriesRequest<'o> {
     /// Seed of every draw.
     pub seed: u64,
     /// Sentences that are not to be used, as [`l4d_query::prove::words`] joined by blanks.
@@ -91,15 +91,15 @@ pub enum Refused {
     },
 }
 
-/// The queries of a scene: a function of its tracks and the order alone.
+/// The queries of a scene: a function of its tracks and the request alone.
 ///
 /// # Errors
 /// A scene that affords fewer than [`LEAST_QUERIES`], or whose tracks contradict themselves.
-pub fn queries(tracks: &Tracks, order: &Order<'_>, say: Say<'_>) -> Result<Composed, Refused> {
-    let prover = Prover::new(tracks, order.truth, None);
-    let boxes = if order.truth.is_none() { screen::seen(tracks) } else { None };
-    let seen = order.truth.or(boxes.as_ref());
-    let mut desk = Desk { prover: &prover, order, seen, say, said: BTreeSet::new() };
+pub fn queries(tracks: &Tracks, request: &QueriesRequest<'_>, say: Say<'_>) -> Result<Composed, Refused> {
+    let prover = Prover::new(tracks, request.truth, None);
+    let boxes = if request.truth.is_none() { screen::seen(tracks) } else { None };
+    let seen = request.truth.or(boxes.as_ref());
+    let mut desk = Desk { prover: &prover, request, seen, say, said: BTreeSet::new() };
     let mut pools: BTreeMap<usize, Vec<Entry>> = BTreeMap::new();
     for candidate in enumerate(&prover).into_iter().filter(|candidate| desk.can_be_seen(candidate)) {
         let entry = desk.entry(candidate)?;
@@ -124,7 +124,7 @@ pub fn queries(tracks: &Tracks, order: &Order<'_>, say: Say<'_>) -> Result<Compo
         composites: desk.numbered(501, &composites, &paired)?,
         absents: desk.numbered(901, &absents, &unmet)?,
     };
-    prove(tracks, order.truth, &composed)?;
+    prove(tracks, request.truth, &composed)?;
     Ok(composed)
 }
 
@@ -142,7 +142,7 @@ pub fn write(bench: &BenchDir, scene: &Name, composed: &Composed) -> Result<(), 
 /// What candidates are made into queries with.
 struct Desk<'d, 'a> {
     prover: &'d Prover<'a>,
-    order: &'d Order<'d>,
+    request: &'d QueriesRequest<'d>,
     seen: Option<&'d Truth>,
     say: Say<'d>,
     /// Sentences of the scene so far.
@@ -156,7 +156,7 @@ impl Desk<'_, '_> {
 
     /// A generator of its own for everything that is drawn, so that no draw depends on the others.
     fn random(&self, what: &str) -> ChaCha8Rng {
-        ChaCha8Rng::from_seed(sha256(format!("{}/{}/{what}", self.order.seed, self.scene()).as_bytes()))
+        ChaCha8Rng::from_seed(sha256(format!("{}/{}/{what}", self.request.seed, self.scene()).as_bytes()))
     }
 
     fn can_be_seen(&self, candidate: &Candidate) -> bool {
@@ -187,7 +187,7 @@ impl Desk<'_, '_> {
         let candidate = &entry.candidate;
         let mut random = self.random(&format!("{} {:?}", candidate.predicate, candidate.temporal));
         let forms = (self.say)(&candidate.predicate, candidate.temporal);
-        let is_taken = |text: &str| self.order.avoid.contains(text) || self.said.contains(text);
+        let is_taken = |text: &str| self.request.avoid.contains(text) || self.said.contains(text);
         let Some(text) = sentence::draw(candidate, forms, is_taken, &mut random) else { return Ok(false) };
         self.said.insert(words(&text).join(" "));
         entry.above_chance = self.above_chance(candidate, &text)?;

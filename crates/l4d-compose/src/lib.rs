@@ -19,5 +19,5 @@ pub mod set;
 pub mod wish;
 
 pub use candidate::Candidate;
-pub use compose::{Composed, LEAST_QUERIES, Order, Refused, Say, queries, write};
+pub use compose::{Composed, LEAST_QUERIES, QueriesRequest, Refused, Say, queries, write};
 pub use enumerate::enumerate;

@@ -179,5 +179,5 @@ impl Maker<'_> {
 fn ask(tracks: &Tracks, composition: &Composition, avoid: &BTreeSet<String>) -> Result<Composed, Refused> {
     let words = l4d_english::Words::of(tracks);
     let say = |predicate: &_, temporal| l4d_english::forms(predicate, temporal, &words);
-    queries(tracks, &crate::Order { seed: composition.seed, avoid, truth: None }, &say)
+    queries(tracks, &crate::QueriesRequest { seed: composition.seed, avoid, truth: None }, &say)
 }

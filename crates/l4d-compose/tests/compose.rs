@@ -7,7 +7,7 @@ mod made_up;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use l4d_compose::{Composed, LEAST_QUERIES, Order, Refused, enumerate, queries, write};
+use l4d_compose::{Composed, LEAST_QUERIES, QueriesRequest, Refused, enumerate, queries, write};
 use l4d_data::benchmark::{Manifest, SetSplit};
 use l4d_data::query::Source;
 use l4d_data::store::write_atomic;
@@ -32,7 +32,7 @@ fn composed(tracks: &Tracks, avoid: &BTreeSet<String>) -> Result<Composed, Refus
 fn composed_from(tracks: &Tracks, seed: u64, avoid: &BTreeSet<String>) -> Result<Composed, Refused> {
     let known = Words::of(tracks);
     let say = |predicate: &Predicate, temporal| l4d_english::forms(predicate, temporal, &known);
-    queries(tracks, &Order { seed, avoid, truth: None }, &say)
+    queries(tracks, &QueriesRequest { seed, avoid, truth: None }, &say)
 }
 
 /// A benchmark folder of the scenes that have enough queries.

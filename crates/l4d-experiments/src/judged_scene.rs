@@ -1,7 +1,7 @@
 //! A scene with all that is needed to answer about it and to judge the answer in one process, for measurements that
 //! leave no answers on disk.
 //!
-//! The judge is that of `l4d score`. What answers never sees the truth that is beside it here.
+//! The judge is that of `l4d score`. The solver never sees the truth that lies beside it here.
 
 use std::collections::BTreeMap;
 

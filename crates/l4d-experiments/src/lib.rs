@@ -1,5 +1,5 @@
 //! Measurements that need solver and judge in one process: the paper's ablations (section 5), and lifts against each
-//! other. What answers never sees the truth that judges it.
+//! other. The solver never sees the truth that judges its answers.
 
 pub mod ablation;
 mod csv_file;

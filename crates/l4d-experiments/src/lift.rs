@@ -28,7 +28,7 @@ use crate::judged_scene::JudgedScene;
 const BASE: &str = "closed form, as users get it";
 
 /// What is measured, and on what.
-pub struct Order<'a> {
+pub struct LiftRequest<'a> {
     /// Scenes, queries and truth.
     pub exam: &'a Exam,
     /// Profile and folders.
@@ -83,20 +83,20 @@ pub struct Row {
 ///
 /// # Errors
 /// Whatever opening scenes, lifting and judging meet.
-pub fn bench(order: &Order<'_>, progress: &dyn Progress) -> Result<Benched> {
-    let Order { exam, rasterizer, .. } = *order;
-    let grounders = Grounders::Oracle(order.noise.clone().unwrap_or_else(NoisePreset::none));
-    let lifts = lifts(order.is_quick);
-    let clips = Preset::Robust.clip_settings(order.views, 0);
+pub fn bench(request: &LiftRequest<'_>, progress: &dyn Progress) -> Result<Benched> {
+    let LiftRequest { exam, rasterizer, .. } = *request;
+    let grounders = Grounders::Oracle(request.noise.clone().unwrap_or_else(NoisePreset::none));
+    let lifts = lifts(request.is_quick);
+    let clips = Preset::Robust.clip_settings(request.views, 0);
     let mut samples: Vec<Vec<Sample>> = vec![Vec::new(); lifts.len()];
-    progress.start("lifting", (exam.scenes.len() * order.queries * lifts.len()) as u64);
+    progress.start("lifting", (exam.scenes.len() * request.queries * lifts.len()) as u64);
     for scene in &exam.scenes {
         progress.item(&scene.name);
-        let draws = (rasterizer, order.adapter.clone());
-        let judged = JudgedScene::open(exam, scene, order.space, &clips, draws)?;
+        let draws = (rasterizer, request.adapter.clone());
+        let judged = JudgedScene::open(exam, scene, request.space, &clips, draws)?;
         let queries: Vec<Query> = judged.queries().cloned().collect();
         let grounder = grounders.of_scene(&judged.scene, rasterizer, &judged.places.data, &queries)?;
-        for query in evenly(&queries, order.queries) {
+        for query in evenly(&queries, request.queries) {
             let subject = Subject::new(&judged, query, grounder.as_ref()).at(&query.id)?;
             for ((_, _, lift), samples) in lifts.iter().zip(&mut samples) {
                 samples.extend(subject.measure(lift, rasterizer).at(&query.id)?);
@@ -117,10 +117,10 @@ pub fn bench(order: &Order<'_>, progress: &dyn Progress) -> Result<Benched> {
         if queries == 1 { "query" } else { "queries" },
         names.join(", "),
         exam.profile,
-        order.views,
-        if order.noise.is_none() { "makes no errors" } else { "errs as it was told" }
+        request.views,
+        if request.noise.is_none() { "makes no errors" } else { "errs as it was told" }
     );
-    write_atomic(&order.folder.join("lift.csv"), &csv_of(&rows)?)?;
+    write_atomic(&request.folder.join("lift.csv"), &csv_of(&rows)?)?;
     Ok(Benched { about, rows })
 }
 

@@ -115,7 +115,7 @@ impl GrounderFile {
                 return match strays.into_iter().find(|(_, is_given)| *is_given) {
                     Some((field, _)) => Err(wrong(
                         field,
-                        "says nothing to `program`".to_owned(),
+                        "means nothing beside `program`".to_owned(),
                         "leave it out, or name one of the project's workers with `worker`",
                     )),
                     None => Ok(Launch {

@@ -45,7 +45,7 @@ fn unknown(text: &str) -> String {
 
 /// What is read from where.
 #[derive(Debug, Clone, Copy)]
-pub struct Order<'a> {
+pub struct CaptureRequest<'a> {
     /// Who recorded it.
     pub source: Source,
     /// The folder that they gave away.
@@ -67,13 +67,13 @@ pub struct Order<'a> {
 /// # Errors
 /// A folder that lacks what the source should have, cameras that cannot be, pictures of several sizes, and views of
 /// which no picture is whole.
-pub fn import(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Capture, DataError> {
-    let plan = match order.source {
-        Source::Neu3d => neu3d::plan(&order)?,
-        Source::InterDigital => interdigital::plan(&order)?,
-        Source::HyperNerf => hypernerf::plan(&order)?,
-        Source::Colmap => colmap::plan(&order)?,
-        Source::Nerfstudio => nerfstudio::plan(&order)?,
+pub fn import(request: CaptureRequest<'_>, tick: &(dyn Fn() + Sync)) -> Result<Capture, DataError> {
+    let plan = match request.source {
+        Source::Neu3d => neu3d::plan(&request)?,
+        Source::InterDigital => interdigital::plan(&request)?,
+        Source::HyperNerf => hypernerf::plan(&request)?,
+        Source::Colmap => colmap::plan(&request)?,
+        Source::Nerfstudio => nerfstudio::plan(&request)?,
     };
-    write::write(&order, plan, tick)
+    write::write(&request, plan, tick)
 }

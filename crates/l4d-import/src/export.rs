@@ -2,7 +2,7 @@
 //!
 //! Owns which layout holds what of a scene, and what has to be said where it cannot hold all of it. Pictures are
 //! display colours; points come from the depth of training cameras or from a reconstruction. Of the held-out camera an
-//! export shows what the order allows and nothing else: by default its pose, with a grey picture where a reader insists
+//! export shows what the request allows and nothing else: by default its pose, with a grey picture where a reader insists
 //! on one.
 
 mod annotated;
@@ -85,7 +85,7 @@ impl Format {
         self == Self::Nerfstudio
     }
 
-    /// Whether it holds truth, so that an order has to bring some.
+    /// Whether it holds truth, so that a request has to bring some.
     pub fn needs_truth(self) -> bool {
         matches!(self, Self::FourDLangSplatAnnotations | Self::LerfOvs)
     }
@@ -129,7 +129,7 @@ pub enum Origin<'a> {
 
 /// What is exported to where.
 #[derive(Debug, Clone, Copy)]
-pub struct Order<'a> {
+pub struct ExportRequest<'a> {
     /// The scene.
     pub origin: Origin<'a>,
     /// The layout.
@@ -148,7 +148,7 @@ pub struct Order<'a> {
     pub judged: Option<&'a Judged<'a>>,
 }
 
-impl<'a> Order<'a> {
+impl<'a> ExportRequest<'a> {
     /// All moments of a scene, the pose of the held-out camera, and as many points as usual.
     pub fn new(origin: Origin<'a>, format: Format, out: &'a Path) -> Self {
         let (held_out, points) = (HeldOut::Pose, DEFAULT_POINTS);
@@ -160,9 +160,9 @@ impl<'a> Order<'a> {
 ///
 /// # Errors
 /// A scene that is torn, a folder that holds something else, and a format that cannot hold the scene.
-pub fn export(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Exported, DataError> {
-    let views = SceneViews::open(&order)?;
-    let write = match order.format {
+pub fn export(request: ExportRequest<'_>, tick: &(dyn Fn() + Sync)) -> Result<Exported, DataError> {
+    let views = SceneViews::open(&request)?;
+    let write = match request.format {
         Format::FourDGaussians => panoptic::write,
         Format::Dynerf | Format::FourDLangSplat => dynerf::write,
         Format::LangSplat | Format::Colmap => colmap::write,
@@ -171,17 +171,17 @@ pub fn export(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Exported, Da
         Format::Davis => davis::write,
         Format::FourDLangSplatAnnotations | Format::LerfOvs => judged::write,
     };
-    let job = Job { order, views: &views, tick };
+    let job = Job { request, views: &views, tick };
     check(&job)?;
-    let folder = Folder::claim(&order, &views)?;
-    let mut manifest = write(&job, Manifest::new(&order, &views)?)?;
+    let folder = Folder::claim(&request, &views)?;
+    let mut manifest = write(&job, Manifest::new(&request, &views)?)?;
     manifest.note_depth();
     folder.settle(manifest)
 }
 
 /// Refuses a scene that the layout cannot hold, before anything is written.
 fn check(job: &Job<'_>) -> Result<(), DataError> {
-    match job.order.format {
+    match job.request.format {
         Format::Dynerf | Format::FourDLangSplat => dynerf::check(job),
         Format::LangSplat => colmap::check_centres(job),
         Format::Coco | Format::Davis => annotated::cameras(job.views).map(drop),
@@ -194,14 +194,14 @@ fn check(job: &Job<'_>) -> Result<(), DataError> {
 ///
 /// # Errors
 /// A scene that is torn.
-pub fn picture_count(order: &Order<'_>) -> Result<u64, DataError> {
-    let views = SceneViews::open(order)?;
+pub fn picture_count(request: &ExportRequest<'_>) -> Result<u64, DataError> {
+    let views = SceneViews::open(request)?;
     Ok((views.shown().len() * views.frames.len()) as u64)
 }
 
 /// All that a layout needs.
 struct Job<'a> {
-    order: Order<'a>,
+    request: ExportRequest<'a>,
     views: &'a SceneViews,
     tick: &'a (dyn Fn() + Sync),
 }

@@ -81,11 +81,11 @@ pub struct Asked {
     pub question: Question,
     /// The last word.
     pub answer: Answer,
-    /// What stages to it; none for a sentence that cannot be read.
+    /// What each stage decided; none for a sentence that cannot be read.
     pub stages: Option<Stages>,
 }
 
-/// What stages to an answer, or to none.
+/// What the stages of a question decided, and what they wrote.
 #[derive(Debug)]
 pub struct Stages {
     scene: SolveScene,

@@ -5,8 +5,8 @@
 //! who trained the model and what is asked about it.
 
 mod folder;
-mod order;
 mod plan;
+mod request;
 mod writers;
 
 use std::collections::BTreeMap;
@@ -29,9 +29,9 @@ use l4d_splat::source::Source;
 use rayon::prelude::*;
 
 pub use self::folder::{ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, ModelEntry, Overwrite};
-pub use self::order::{Order, Wanted};
 pub use self::plan::{Instant, PictureIndex, Plan};
 pub(crate) use self::plan::{instants_at, spread_views};
+pub use self::request::{ClipsRequest, Wanted};
 use self::writers::writing;
 
 /// Draws what of a plan the folder lacks, and writes the manifest. `drawn` hears of each picture; gives how many

@@ -27,7 +27,7 @@ fn plain(error: impl Error) -> StageError {
 }
 
 /// What is drawn, and by what.
-pub struct Order<'a> {
+pub struct SpeedRequest<'a> {
     /// A trained scene; none for a made-up room.
     pub scene: Option<&'a Name>,
     /// Profile and folders.
@@ -67,19 +67,23 @@ pub struct Speed {
 ///
 /// # Errors
 /// A scene or model that cannot be read or drawn.
-pub fn measure_speed(order: &Order<'_>, adapters: Vec<Backend>, progress: &dyn Progress) -> Result<Speed> {
+pub fn measure_speed(
+    request: &SpeedRequest<'_>,
+    adapters: Vec<Backend>,
+    progress: &dyn Progress,
+) -> Result<Speed> {
     let backends = backends(adapters)?;
-    let subject = Subject::open(order)?;
-    let variants = variants(&subject, order.sweeps, &backends)?;
+    let subject = Subject::open(request)?;
+    let variants = variants(&subject, request.sweeps, &backends)?;
     progress.note(&format_args!("{}: {} variants", subject.about, variants.len()));
     let truth = Truth::draw(&subject)?;
-    progress.start("measuring", variants.len() as u64 * (u64::from(order.repeats) + 1));
+    progress.start("measuring", variants.len() as u64 * (u64::from(request.repeats) + 1));
     let advance = || progress.advance(1);
-    let measured = measure(&subject, &truth, &variants, order.repeats, &advance)?;
+    let measured = measure(&subject, &truth, &variants, request.repeats, &advance)?;
     progress.finish();
     let rows: Vec<Row> =
         variants.iter().zip(&measured).map(|(variant, measured)| Row::new(variant, measured)).collect();
-    write_atomic(&order.folder.join("splats.csv"), &csv_of(&rows)?)?;
+    write_atomic(&request.folder.join("splats.csv"), &csv_of(&rows)?)?;
     Ok(Speed { about: subject.about, rows, has_held_out: subject.seen.is_some() })
 }
 

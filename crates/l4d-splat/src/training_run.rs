@@ -69,7 +69,7 @@ impl fmt::Display for Initialisation {
 }
 
 /// What is learned, and how.
-pub struct Order<'a> {
+pub struct TrainingRequest<'a> {
     /// Scene.
     pub scene: &'a Name,
     /// Which pictures of it.
@@ -116,47 +116,47 @@ impl Trained {
 ///
 /// # Errors
 /// Pictures that are not there or not of the profile, a folder that holds another model, and whatever training meets.
-pub fn train_scene(order: &Order<'_>, progress: &dyn Progress) -> Result<Trained> {
+pub fn train_scene(request: &TrainingRequest<'_>, progress: &dyn Progress) -> Result<Trained> {
     let begin = Instant::now();
-    let source = PictureSource::open(order)?;
-    let init = order.init.clone().unwrap_or(match order.profile.is_rendered() {
+    let source = PictureSource::open(request)?;
+    let init = request.init.clone().unwrap_or(match request.profile.is_rendered() {
         true => Initialisation::Depth,
         false => Initialisation::Sweep,
     });
     let initial = initial_points(&init)?;
     progress.start("reading", source.picture_count());
-    let input = Input::read(order.dir, &source, &|| progress.advance(1))?;
-    let held_out = HeldOut::read(order.dir, &source, &|| progress.advance(1))?;
+    let input = Input::read(request.dir, &source, &|| progress.advance(1))?;
+    let held_out = HeldOut::read(request.dir, &source, &|| progress.advance(1))?;
     progress.finish();
     let read_seconds = begin.elapsed().as_secs_f64();
 
     let origin = Origin {
-        scene: order.scene.clone(),
-        profile: order.profile,
-        settings: serde_json::to_value(&order.settings).map_err(plain)?,
+        scene: request.scene.clone(),
+        profile: request.profile,
+        settings: serde_json::to_value(&request.settings).map_err(plain)?,
         init: init.to_string(),
         saw_depth: source.has_depth,
         track: source.track(),
         sampling: source.sampling,
-        rasterizer: order.rasterizer.name(),
-        adapter: order.adapter.clone(),
+        rasterizer: request.rasterizer.name(),
+        adapter: request.adapter.clone(),
         trained_on: input.digests,
         compared_with: held_out.digests.clone(),
     };
     let track = origin.track;
-    let folder = SplatsFolder(order.folder.clone());
+    let folder = SplatsFolder(request.folder.clone());
     let place = folder.0.display();
-    let _files = folder.take(order.overwrite)?;
-    let claim = folder.claim(&origin, order.overwrite)?;
+    let _files = folder.take(request.overwrite)?;
+    let claim = folder.claim(&origin, request.overwrite)?;
     if let Claim::Done(manifest) = claim {
         progress.note(&format_args!("{place} holds this model already"));
         return Ok(Trained { manifest, track });
     }
 
     let begin = Instant::now();
-    let mut trainer = Trainer::new(&input.views, order.settings.clone(), &initial, order.rasterizer)
+    let mut trainer = Trainer::new(&input.views, request.settings.clone(), &initial, request.rasterizer)
         .map_err(plain)
-        .at(order.dir.root().display())?;
+        .at(request.dir.root().display())?;
     let prepare_seconds = begin.elapsed().as_secs_f64();
     let mut spent = Spent::default();
     if let Claim::Resume(checkpoint) = claim {
@@ -164,7 +164,7 @@ pub fn train_scene(order: &Order<'_>, progress: &dyn Progress) -> Result<Trained
         progress.note(&format_args!("{place}: going on after iteration {}", checkpoint.iteration));
         trainer.resume(*checkpoint).map_err(plain).at(place)?;
     }
-    let run = Run { order, held_out: &held_out, folder: &folder, origin: &origin, progress };
+    let run = Run { request, held_out: &held_out, folder: &folder, origin: &origin, progress };
     let trained = run.train(&mut trainer, spent);
     let spent = trained.at(format_args!("iteration {}", trainer.iteration()))?;
 
@@ -191,7 +191,7 @@ pub fn train_scene(order: &Order<'_>, progress: &dyn Progress) -> Result<Trained
 
 /// What a training needs while it runs.
 struct Run<'a> {
-    order: &'a Order<'a>,
+    request: &'a TrainingRequest<'a>,
     held_out: &'a HeldOut,
     folder: &'a SplatsFolder,
     origin: &'a Origin,
@@ -201,7 +201,7 @@ struct Run<'a> {
 impl Run<'_> {
     /// Iterates to the end, saving now and then; gives what training took, earlier runs included.
     fn train(&self, trainer: &mut Trainer<'_>, before: Spent) -> Result<Spent> {
-        let Self { order, held_out, folder, origin, progress } = *self;
+        let Self { request, held_out, folder, origin, progress } = *self;
         progress.start("training", trainer.iterations());
         progress.advance(trainer.iteration());
         let begin = Instant::now();
@@ -223,7 +223,7 @@ impl Run<'_> {
                 progress.note(&format_args!("{}/{} {line}", trainer.iteration(), trainer.iterations()));
                 (evaluated, at) = (Instant::now(), trainer.iteration());
             }
-            if saved.elapsed() >= order.between_checkpoints {
+            if saved.elapsed() >= request.between_checkpoints {
                 folder.save(trainer, origin, spent(fine))?;
                 saved = Instant::now();
             }

@@ -66,7 +66,7 @@ pub(crate) struct OpenRoundArgs {
     /// Only so many of them, drawn by lot, evenly from the categories
     #[arg(long, value_name = "COUNT")]
     pub(crate) sample: Option<usize>,
-    /// Leave out what people rejected in the words that it still has, instead of refusing
+    /// Leave out the prompts that people rejected and that still have the same words, instead of refusing
     #[arg(long)]
     pub(crate) edited_only: bool,
     /// Queries of two categories as well

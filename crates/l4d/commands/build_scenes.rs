@@ -1,7 +1,7 @@
 //! `l4d build-scenes`: plan, render what is missing, settle.
 
 use anyhow::Result;
-use l4d_blender::build::{Order, build};
+use l4d_blender::build::{BuildRequest, build};
 use l4d_blender::env::{BlenderEnv, scripts_folder};
 use l4d_blender::part::Part;
 use l4d_blender::plan::recipes;
@@ -27,7 +27,7 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
     // A folder that is no benchmark yet becomes the benchmark's.
     let seed = Benchmark::open(&args.bench.bench).map(|bench| bench.manifest.seed).unwrap_or_default();
     let space = Workspace::new(profile).with_data(args.data.as_deref());
-    let order = Order {
+    let request = BuildRequest {
         scenes: &scenes,
         seed,
         space: &space,
@@ -44,7 +44,7 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
         part: &part,
     };
     let mut report = Report::default();
-    let built = build(&env, &order, out, &mut report)?;
+    let built = build(&env, &request, out, &mut report)?;
     match built.rendered {
         Some(rendered) => out.note(format!("rendered {rendered} pictures")),
         None => out.note(format!("tracks are in {}", bench.root().join("scenes").display())),

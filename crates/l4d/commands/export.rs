@@ -7,7 +7,7 @@ use l4d_data::query::{Query, read_queries};
 use l4d_data::truth::Truth;
 use l4d_data::{Name, Workspace};
 use l4d_import::annotations::Judged;
-use l4d_import::export::{Order, Origin, export, picture_count};
+use l4d_import::export::{ExportRequest, Origin, export, picture_count};
 
 use crate::cli::interop::ExportArgs;
 use crate::out::{ExitStatus, Printer};
@@ -26,7 +26,7 @@ pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
         .as_ref()
         .map(|(truth, queries)| Judged::new(&bench.truth(args.profile, &name), truth, queries))
         .transpose()?;
-    let order = Order {
+    let request = ExportRequest {
         origin,
         format: args.format,
         out: &args.out,
@@ -36,8 +36,8 @@ pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
         points_from: args.points_from.as_deref(),
         judged: judged.as_ref(),
     };
-    out.start("exporting", picture_count(&order)?);
-    let exported = export(order, &|| out.advance(1))?;
+    out.start("exporting", picture_count(&request)?);
+    let exported = export(request, &|| out.advance(1))?;
     out.finish();
     exported.manifest.notes.iter().for_each(|note| out.note(note));
     match args.json {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use l4d_data::{Benchmark, DataError, Name, Report, json};
 use l4d_import::results::codec::{Codec, Reading};
-use l4d_import::results::import::{Encoders, Identity, Images, Imported, Order, Request, import, write};
+use l4d_import::results::import::{Encoders, FrameOrder, Identity, Images, Imported, Request, import, write};
 use l4d_import::results::preset::Preset;
 use l4d_import::results::relevancy::TextsFile;
 use serde_json::{Value, json};
@@ -78,7 +78,7 @@ fn request<'a>(args: &ImportArgs, bench: &'a Benchmark) -> Result<Request<'a>> {
         root: args.source.clone(),
         choices: files.choices.iter().cloned().collect(),
         reading,
-        order: files.frames.as_deref().map(Order::read).transpose()?.unwrap_or(Order::Clip),
+        order: files.frames.as_deref().map(FrameOrder::read).transpose()?.unwrap_or(FrameOrder::Clip),
         images: files.images.as_deref().map(|path| Images::read(path, files.images_first)).transpose()?,
         encoders: encoders(&args.encoders)?,
         claims: args.claims.clone(),

@@ -7,7 +7,7 @@ use l4d_data::Progress as _;
 use l4d_data::{Name, Profile, Workspace};
 use l4d_import::capture::masks::{self, MaskSet};
 use l4d_import::capture::publish::{Published, publish};
-use l4d_import::capture::{CAPTURE, Capture, Order, import};
+use l4d_import::capture::{CAPTURE, Capture, CaptureRequest, import};
 use serde_json::json;
 
 use crate::cli::interop::ImportSceneArgs;
@@ -65,7 +65,7 @@ fn space() -> Workspace {
 }
 
 fn read(args: &ImportSceneArgs, name: &Name, folder: &Path, out: &Printer) -> Result<Capture> {
-    let order = Order {
+    let request = CaptureRequest {
         source: args.source,
         input: &args.input,
         name,
@@ -75,7 +75,7 @@ fn read(args: &ImportSceneArgs, name: &Name, folder: &Path, out: &Printer) -> Re
         ffmpeg: &args.ffmpeg,
     };
     out.start("importing", 0);
-    let capture = import(order, &|| out.advance(1))?;
+    let capture = import(request, &|| out.advance(1))?;
     out.finish();
     capture.notes.iter().for_each(|note| out.note(note));
     out.note("the capture has neither depth nor ids, and says so: what needs them refuses it");

@@ -6,7 +6,7 @@ use anyhow::Result;
 use l4d_data::store::Claim;
 use l4d_data::{Name, Progress as _, Timeline};
 use l4d_frames::moving_picture::{self, Pace};
-use l4d_solve::clips::{self, ClipsFolder, DepthEntry, Look, Order, Overwrite, Preview, Wanted};
+use l4d_solve::clips::{self, ClipsFolder, ClipsRequest, DepthEntry, Look, Overwrite, Preview, Wanted};
 
 use crate::cli::splats::RenderSplatsArgs;
 use crate::out::{ExitStatus, Printer, refusal};
@@ -27,7 +27,7 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
         size: args.size.map(|size| size.0),
         out: args.out.as_deref(),
     };
-    let Order { model, source, out: root, plan, timeline } = Order::of(&wanted)?;
+    let ClipsRequest { model, source, out: root, plan, timeline } = ClipsRequest::of(&wanted)?;
     let language = match &source.language {
         None if args.language => {
             return Err(refusal(

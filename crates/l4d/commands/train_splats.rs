@@ -8,7 +8,7 @@ use l4d_data::name::meant;
 use l4d_data::results::Track;
 use l4d_data::{Benchmark, Name};
 use l4d_splat::checkpoint::own::Sampling;
-use l4d_splat::training_run::{Order, Settings, train_scene};
+use l4d_splat::training_run::{Settings, TrainingRequest, train_scene};
 
 use crate::cli::splats::TrainSplatsArgs;
 use crate::out::{ExitStatus, Printer};
@@ -21,7 +21,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         refuse_misspelt(&args.scene, &args.bench)?;
     }
     let opened = rasterizer::open(&args.adapter.adapter)?;
-    let order = Order {
+    let request = TrainingRequest {
         scene: &name,
         profile: args.profile,
         dir: &space.scene(&name),
@@ -35,7 +35,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         rasterizer: opened.rasterizer.as_ref(),
         adapter: opened.adapter,
     };
-    let trained = train_scene(&order, out)?;
+    let trained = train_scene(&request, out)?;
     out.note(match trained.track {
         Track::Colour => "track: colour",
         Track::ColourDepth => "track: colour + depth (learned from rendered depth)",

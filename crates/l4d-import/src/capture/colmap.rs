@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use l4d_data::{DataError, Name};
 use l4d_formats::colmap::{CameraModel, Model, ModelCamera, ModelPoint};
 
-use super::Order;
+use super::CaptureRequest;
 use super::lens::Distortion;
 use super::plan::{Plan, PlanPoint, View, camera, inside, name_of};
 use crate::points::ColouredPoint;
 use crate::pose;
 
-pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
-    let folder = model_folder(order.input)?;
+pub(super) fn plan(request: &CaptureRequest<'_>) -> Result<Plan, DataError> {
+    let folder = model_folder(request.input)?;
     let model = Model::read(&folder)?;
     let suffix = if folder.join("cameras.bin").is_file() { "bin" } else { "txt" };
     let inputs = ["cameras", "images", "points3D"].map(|stem| folder.join(format!("{stem}.{suffix}")));
@@ -36,13 +36,13 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
         plan.views.push(View {
             camera: camera(name, intrinsics.pinhole(), world_from_camera),
             distortion: distortion_of(intrinsics),
-            pictures: BTreeMap::from([(0, inside(&inputs[1], &order.input.join("images"), &image.name)?)]),
+            pictures: BTreeMap::from([(0, inside(&inputs[1], &request.input.join("images"), &image.name)?)]),
         });
     }
     plan.note("one moment: a model knows no time");
     plan.note("units and directions of the world are those of the reconstruction; up is unknown");
     plan.points = model.points.iter().map(|point| plan_point(point, &names)).collect();
-    plan.finish(order, &[])
+    plan.finish(request, &[])
 }
 
 /// `sparse/0`, `sparse`, or the folder itself.

@@ -10,7 +10,7 @@ use glam::{DMat3, DMat4, DVec3};
 use l4d_data::{Camera, DataError, Split, json};
 use serde::Deserialize;
 
-use super::Order;
+use super::CaptureRequest;
 use super::lens::Distortion;
 use super::plan::{Plan, View, camera, inside, is_wanted, name_of};
 use crate::pose;
@@ -67,16 +67,16 @@ struct PictureEntry {
     is_trained_on: bool,
 }
 
-pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
-    let path = order.input.join("dataset.json");
+pub(super) fn plan(request: &CaptureRequest<'_>) -> Result<Plan, DataError> {
+    let path = request.input.join("dataset.json");
     let dataset: Dataset = json::read(&path)?;
-    let metadata_path = order.input.join("metadata.json");
+    let metadata_path = request.input.join("metadata.json");
     let metadata: BTreeMap<String, Metadata> = json::read(&metadata_path)?;
-    let (scale, pictures) = picture_folder(order.input)?;
+    let (scale, pictures) = picture_folder(request.input)?;
     let mut plan = Plan::new(vec![path.clone(), metadata_path.clone()]);
     let mut found: BTreeMap<String, (Camera, Distortion, Vec<PictureEntry>)> = BTreeMap::new();
     for id in &dataset.ids {
-        let card_path = inside(&path, &order.input.join("camera"), &format!("{id}.json"))?;
+        let card_path = inside(&path, &request.input.join("camera"), &format!("{id}.json"))?;
         let card: Card = json::read(&card_path)?;
         let facts = metadata.get(id).ok_or_else(|| {
             DataError::invalid(&metadata_path, format!("entry `{id}`"), "is missing", REMEDY)
@@ -86,7 +86,7 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
             let message = format!("moment {moment} lies beyond {MOST_MOMENTS}");
             return Err(DataError::invalid(&path, format!("entry `{id}`"), message, REMEDY));
         }
-        if !is_wanted(order, None, moment) {
+        if !is_wanted(request, None, moment) {
             continue;
         }
         if card.skew != 0.0 {
@@ -122,7 +122,7 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
         plan.note("the source holds out moments of its camera, not a camera: nothing is held out here");
     }
     plan.note("scene.json's scale and centre are left out: units are those of the cameras");
-    plan.finish(order, &[])
+    plan.finish(request, &[])
 }
 
 /// A view with a pose for each number up to its last moment; moments that it did not see repeat the pose before.

@@ -10,7 +10,7 @@ use l4d_data::DataError;
 use l4d_data::error::inert;
 use l4d_data::store::{list_folder, read_bounded};
 
-use super::Order;
+use super::CaptureRequest;
 use super::plan::{Plan, View, camera, is_wanted, name_of};
 use crate::pose;
 
@@ -27,15 +27,15 @@ const MOMENTS: [(&str, [u32; 2]); 4] =
 /// f cu cv ar sk qw qx qy qz tx ty tz
 type Row = [f64; 12];
 
-pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
-    let path = order.input.join(PARAMETERS);
+pub(super) fn plan(request: &CaptureRequest<'_>) -> Result<Plan, DataError> {
+    let path = request.input.join(PARAMETERS);
     let rows = rows(&path)?;
-    let (scene, pictures) = pictures(order)?;
+    let (scene, pictures) = pictures(request)?;
     let default = MOMENTS.iter().find(|(name, _)| *name == scene.to_lowercase()).map(|(_, moments)| *moments);
     let mut plan = Plan::new(vec![path.clone()]);
     for (number, row) in rows.iter().enumerate() {
         let wanted = |((camera, moment), path): (&(usize, u32), &PathBuf)| {
-            (*camera == number && is_wanted(order, default, *moment)).then(|| (*moment, path.clone()))
+            (*camera == number && is_wanted(request, default, *moment)).then(|| (*moment, path.clone()))
         };
         plan.views.push(View {
             camera: camera(name_of(&path, &format!("cam{number:02}"))?, intrinsics(row), pose_of(row)),
@@ -49,10 +49,10 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
         plan.note("skew is left out, as everybody leaves it out");
     }
     plan.note("units and directions of the world are those of the calibration; up is unknown");
-    if let Some([first, last]) = default.filter(|_| order.moments.is_none()) {
+    if let Some([first, last]) = default.filter(|_| request.moments.is_none()) {
         plan.note(format!("moments {first} to {last}, as in the literature"));
     }
-    plan.finish(order, &[HELD_OUT])
+    plan.finish(request, &[HELD_OUT])
 }
 
 fn rows(path: &Path) -> Result<Vec<Row>, DataError> {
@@ -93,23 +93,23 @@ fn rows(path: &Path) -> Result<Vec<Row>, DataError> {
 type Pictures = BTreeMap<(usize, u32), PathBuf>;
 
 /// Name of the scene, and its pictures: `<Scene>_undist_<moment>_<camera>.png`.
-fn pictures(order: &Order<'_>) -> Result<(String, Pictures), DataError> {
+fn pictures(request: &CaptureRequest<'_>) -> Result<(String, Pictures), DataError> {
     let mut scene = String::new();
     let mut pictures = BTreeMap::new();
-    for name in list_folder(order.input)? {
+    for name in list_folder(request.input)? {
         let Some(stem) = name.strip_suffix(".png") else { continue };
         let Some((rest, camera)) = stem.rsplit_once('_') else { continue };
         let Some((title, moment)) = rest.rsplit_once('_') else { continue };
         let (Ok(camera), Ok(moment)) = (camera.parse::<usize>(), moment.parse::<u32>()) else { continue };
         if camera < CAMERAS {
             title.strip_suffix("_undist").unwrap_or(title).clone_into(&mut scene);
-            pictures.insert((camera, moment), order.input.join(&name));
+            pictures.insert((camera, moment), request.input.join(&name));
         }
     }
     if pictures.is_empty() {
         let remedy = "give the folder that holds cameras_parameters.txt and the PNG files";
         let message = "holds no `<Scene>_undist_<moment>_<camera>.png`";
-        return Err(DataError::invalid(order.input, "folder", message, remedy));
+        return Err(DataError::invalid(request.input, "folder", message, remedy));
     }
     Ok((scene, pictures))
 }

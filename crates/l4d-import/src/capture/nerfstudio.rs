@@ -8,7 +8,7 @@ use l4d_data::{DataError, json};
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::Order;
+use super::CaptureRequest;
 use super::lens::Distortion;
 use super::plan::{Plan, View, camera, inside, name_of};
 use crate::pose;
@@ -37,8 +37,8 @@ struct Entry {
     lens: BTreeMap<String, Value>,
 }
 
-pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
-    let path = order.input.join("transforms.json");
+pub(super) fn plan(request: &CaptureRequest<'_>) -> Result<Plan, DataError> {
+    let path = request.input.join("transforms.json");
     let document: Transforms = json::read(&path)?;
     let wrong =
         |place: &str, message: String, remedy: &str| DataError::invalid(&path, place, message, remedy);
@@ -86,7 +86,7 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
         plan.views.push(View {
             camera: camera(name, intrinsics, pose_of(entry)),
             distortion,
-            pictures: BTreeMap::from([(moment as u32, inside(&path, order.input, &entry.file_path)?)]),
+            pictures: BTreeMap::from([(moment as u32, inside(&path, request.input, &entry.file_path)?)]),
         });
     }
     if document.frames.iter().any(|entry| entry.depth_file_path.is_some()) {
@@ -94,7 +94,7 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
     }
     plan.note("units of the world are those of the reconstruction; up is +Z, as nerfstudio has it");
     let held_out: Vec<&str> = held_out.iter().map(String::as_str).collect();
-    plan.finish(order, &held_out)
+    plan.finish(request, &held_out)
 }
 
 /// Times that occur, ascending; a moment is a place among them.

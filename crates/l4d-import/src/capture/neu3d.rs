@@ -14,7 +14,7 @@ use l4d_data::store::{list_folder, make_folder, read_bounded};
 use l4d_formats::Tensor;
 use l4d_formats::npy::{self, Contents};
 
-use super::Order;
+use super::CaptureRequest;
 use super::plan::{Plan, View, camera, is_wanted, name_of};
 use crate::pose;
 
@@ -23,11 +23,11 @@ const HELD_OUT: &str = "cam00";
 const FRAMES_PER_SECOND: f64 = 30.0;
 const MAX_BYTES: u64 = 64 << 20;
 
-pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
-    let path = order.input.join("poses_bounds.npy");
+pub(super) fn plan(request: &CaptureRequest<'_>) -> Result<Plan, DataError> {
+    let path = request.input.join("poses_bounds.npy");
     let poses = npy::decode(&read_bounded(&path, MAX_BYTES)?).and_then(Contents::into_numbers);
     let poses: Tensor<f64> = poses.map_err(|fault| fault.at(&path))?;
-    let cameras = camera_names(order.input)?;
+    let cameras = camera_names(request.input)?;
     if poses.shape != [cameras.len(), 17] {
         let message =
             format!("has the shape {:?}, but there are {} cameras of 17 numbers", poses.shape, cameras.len());
@@ -36,9 +36,9 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
     let mut plan = Plan::new(vec![path.clone()]);
     let first = &poses.data[..17];
     plan.stated_size = Some(stated_size(&path, first)?);
-    let scratch = order.out.join(".videos");
+    let scratch = request.out.join(".videos");
     for (name, row) in cameras.iter().zip(poses.data.chunks_exact(17)) {
-        let pictures = pictures(order, name, &scratch)?;
+        let pictures = pictures(request, name, &scratch)?;
         let view = name_of(&path, name)?;
         plan.views.push(View {
             camera: camera(view, intrinsics(row), pose_of(row)),
@@ -52,7 +52,7 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
         "the principal point is the centre and both focal lengths are equal: the file holds nothing else",
     );
     plan.note("units and directions of the world are those of the reconstruction; up is unknown");
-    plan.finish(order, &[HELD_OUT])
+    plan.finish(request, &[HELD_OUT])
 }
 
 /// Names of videos or folders of pictures, sorted.
@@ -74,14 +74,18 @@ fn camera_names(folder: &Path) -> Result<Vec<String>, DataError> {
     Ok(names)
 }
 
-fn pictures(order: &Order<'_>, name: &str, scratch: &Path) -> Result<BTreeMap<u32, PathBuf>, DataError> {
-    let folder = order.input.join(name).join("images");
+fn pictures(
+    request: &CaptureRequest<'_>,
+    name: &str,
+    scratch: &Path,
+) -> Result<BTreeMap<u32, PathBuf>, DataError> {
+    let folder = request.input.join(name).join("images");
     let paths = if folder.is_dir() {
         list_folder(&folder)?.into_iter().map(|name| folder.join(name)).collect()
     } else {
-        extract(order.ffmpeg, &order.input.join(format!("{name}.mp4")), &scratch.join(name))?
+        extract(request.ffmpeg, &request.input.join(format!("{name}.mp4")), &scratch.join(name))?
     };
-    Ok((0..).zip(paths).filter(|(moment, _)| is_wanted(order, None, *moment)).collect())
+    Ok((0..).zip(paths).filter(|(moment, _)| is_wanted(request, None, *moment)).collect())
 }
 
 fn stated_size(path: &Path, row: &[f64]) -> Result<[u32; 2], DataError> {

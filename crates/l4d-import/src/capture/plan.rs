@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 use l4d_data::error::inert;
 use l4d_data::{Camera, DataError, Name, Split};
 
-use super::Order;
+use super::CaptureRequest;
 use super::lens::Distortion;
 use crate::points::ColouredPoint;
 
@@ -52,12 +52,16 @@ impl Plan {
         self.notes.push(note.into());
     }
 
-    /// Says whether distortion is removed, and holds out the views that the order names, or those of `default`.
-    pub(super) fn finish(mut self, order: &Order<'_>, default: &[&str]) -> Result<Self, DataError> {
+    /// Says whether distortion is removed, and holds out the views that the request names, or those of `default`.
+    pub(super) fn finish(
+        mut self,
+        request: &CaptureRequest<'_>,
+        default: &[&str],
+    ) -> Result<Self, DataError> {
         if self.views.iter().any(|view| !view.distortion.is_none()) {
             self.note("lens distortion is removed: pictures are what pinholes would have seen");
         }
-        let wanted: Vec<&str> = match order.held_out {
+        let wanted: Vec<&str> = match request.held_out {
             [] => default.to_vec(),
             names => names.iter().map(String::as_str).collect(),
         };
@@ -66,7 +70,7 @@ impl Plan {
             let Some(view) = view else {
                 let message = format!("has no view `{}` to hold out", inert(name));
                 let remedy = "name views as the capture does, with `--held-out`";
-                return Err(DataError::invalid(order.input, "views", message, remedy));
+                return Err(DataError::invalid(request.input, "views", message, remedy));
             };
             view.camera.split = Split::Test;
         }
@@ -101,9 +105,9 @@ pub(super) fn inside(file: &Path, folder: &Path, relative: &str) -> Result<PathB
     Ok(folder.join(path))
 }
 
-/// Whether the order wants a moment.
-pub(super) fn is_wanted(order: &Order<'_>, default: Option<[u32; 2]>, moment: u32) -> bool {
-    order.moments.or(default).is_none_or(|[first, last]| (first..=last).contains(&moment))
+/// Whether the request wants a moment.
+pub(super) fn is_wanted(request: &CaptureRequest<'_>, default: Option<[u32; 2]>, moment: u32) -> bool {
+    request.moments.or(default).is_none_or(|[first, last]| (first..=last).contains(&moment))
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use l4d_frames::drawn::{RgbImage, encode_colour};
 use l4d_frames::photo::{self, PhotoError};
 use rayon::prelude::*;
 
-use super::Order;
+use super::CaptureRequest;
 use super::plan::{Plan, View};
 use crate::points::{add_point, model_of_pinholes};
 
@@ -23,19 +23,19 @@ const CLAIM: &str = ".l4d-import";
 const MAX_BYTES: u64 = 256 << 20;
 
 pub(super) fn write(
-    order: &Order<'_>,
+    request: &CaptureRequest<'_>,
     mut plan: Plan,
     tick: &(dyn Fn() + Sync),
 ) -> Result<Capture, DataError> {
-    claim(order)?;
+    claim(request)?;
     plan.views.sort_by(|a, b| a.camera.name.cmp(&b.camera.name));
     if let Some(pair) = plan.views.windows(2).find(|pair| pair[0].camera.name == pair[1].camera.name) {
         let message = format!("two views would be called {}", pair[0].camera.name);
         let remedy = "give pictures names that differ in letters and digits";
-        return Err(DataError::invalid(order.input, "views", message, remedy));
+        return Err(DataError::invalid(request.input, "views", message, remedy));
     }
     let frames: BTreeSet<u32> = plan.views.iter().flat_map(|view| view.pictures.keys().copied()).collect();
-    let size = size_of(order, &plan)?;
+    let size = size_of(request, &plan)?;
     for view in &mut plan.views {
         fill_poses(&mut view.camera, &frames);
         if let Some(stated) = plan.stated_size {
@@ -43,12 +43,17 @@ pub(super) fn write(
         }
         if let Some(problem) = view.camera.problem() {
             let place = format!("camera {}", view.camera.name);
-            return Err(DataError::invalid(order.input, place, problem, "restore the files of the cameras"));
+            return Err(DataError::invalid(
+                request.input,
+                place,
+                problem,
+                "restore the files of the cameras",
+            ));
         }
     }
     let substituted: Vec<Vec<Substitution>> =
-        plan.views.par_iter().map(|view| write_view(order, view, size, tick)).collect::<Result<_, _>>()?;
-    write_points(order, &plan, &frames, size)?;
+        plan.views.par_iter().map(|view| write_view(request, view, size, tick)).collect::<Result<_, _>>()?;
+    write_points(request, &plan, &frames, size)?;
     plan.scratch.as_deref().map_or(Ok(()), remove_folder)?;
     let unseen = |view: &View| {
         let missing: Vec<u32> =
@@ -56,13 +61,13 @@ pub(super) fn write(
         (!missing.is_empty()).then(|| (view.camera.name.clone(), missing))
     };
     let digest = |path: &std::path::PathBuf| {
-        let name = path.strip_prefix(order.input).unwrap_or(path).display().to_string();
+        let name = path.strip_prefix(request.input).unwrap_or(path).display().to_string();
         Ok((name, sha256_file(path)?))
     };
     let capture = Capture {
         schema: SCHEMA.to_owned(),
-        name: order.name.clone(),
-        source: order.source.to_string(),
+        name: request.name.clone(),
+        source: request.source.to_string(),
         width: size[0],
         height: size[1],
         unseen: plan.views.iter().filter_map(unseen).collect(),
@@ -76,32 +81,32 @@ pub(super) fn write(
         inputs: plan.inputs.iter().map(digest).collect::<Result<BTreeMap<_, _>, DataError>>()?,
         notes: plan.notes,
     };
-    json::write(&order.out.join(CAPTURE), &capture)?;
-    let claim = order.out.join(CLAIM);
+    json::write(&request.out.join(CAPTURE), &capture)?;
+    let claim = request.out.join(CLAIM);
     std::fs::remove_file(&claim).map_err(|source| DataError::io(&claim, "remove", source))?;
     Ok(capture)
 }
 
 /// Takes possession of the folder: empty, or of an earlier import of the same scene, which may have been killed. What says
 /// that it is whole goes first.
-fn claim(order: &Order<'_>) -> Result<(), DataError> {
-    make_folder(order.out)?;
+fn claim(request: &CaptureRequest<'_>) -> Result<(), DataError> {
+    make_folder(request.out)?;
     let refuse = |message: String| {
         let remedy = "choose an empty folder with --out, or remove this one";
-        Err(DataError::invalid(order.out, "folder", message, remedy))
+        Err(DataError::invalid(request.out, "folder", message, remedy))
     };
-    let path = order.out.join(CAPTURE);
-    let claim = order.out.join(CLAIM);
+    let path = request.out.join(CAPTURE);
+    let claim = request.out.join(CLAIM);
     let ours: &[&str] = match path.is_file() || claim.exists() {
         true => &[CAPTURE, MASKS, SPARSE, "frames"],
         false => &[],
     };
-    if let Some(entry) = list_folder(order.out)?.into_iter().find(|entry| !ours.contains(&entry.as_str())) {
+    if let Some(entry) = list_folder(request.out)?.into_iter().find(|entry| !ours.contains(&entry.as_str())) {
         return refuse(format!("is not empty: `{}` is there", inert(&entry)));
     }
     if path.is_file() {
-        let earlier = Capture::read(order.out)?;
-        if (&earlier.name, earlier.source.as_str()) != (order.name, order.source.to_string().as_str()) {
+        let earlier = Capture::read(request.out)?;
+        if (&earlier.name, earlier.source.as_str()) != (request.name, request.source.to_string().as_str()) {
             return refuse(format!("holds {} of {}", earlier.name, inert(&earlier.source)));
         }
     }
@@ -123,7 +128,7 @@ fn fill_poses(camera: &mut Camera, frames: &BTreeSet<u32>) {
 
 /// Writes the points of the source, with the pictures that show them.
 fn write_points(
-    order: &Order<'_>,
+    request: &CaptureRequest<'_>,
     plan: &Plan,
     frames: &BTreeSet<u32>,
     size: [u32; 2],
@@ -139,11 +144,11 @@ fn write_points(
             seen.map(|camera| (camera, camera.project(frame, point.surface.position).0)).collect();
         add_point(&mut model, point.surface, point.error_px, &sightings);
     }
-    model.write(&order.out.join(SPARSE))
+    model.write(&request.out.join(SPARSE))
 }
 
 /// The size of the first picture that is whole.
-fn size_of(order: &Order<'_>, plan: &Plan) -> Result<[u32; 2], DataError> {
+fn size_of(request: &CaptureRequest<'_>, plan: &Plan) -> Result<[u32; 2], DataError> {
     let mut paths = plan.views.iter().flat_map(|view| view.pictures.values());
     let found = paths.find_map(|path| {
         let bytes = read_bounded(path, MAX_BYTES).ok()?;
@@ -152,13 +157,13 @@ fn size_of(order: &Order<'_>, plan: &Plan) -> Result<[u32; 2], DataError> {
     found.map(|(width, height)| [width, height]).ok_or_else(|| {
         let message = "none of them is there and whole";
         let remedy = "check the folder and `--moments`";
-        DataError::invalid(order.input, "pictures", message, remedy)
+        DataError::invalid(request.input, "pictures", message, remedy)
     })
 }
 
 /// Writes the pictures of a view; a damaged one becomes the one before it, or after it at the start.
 fn write_view(
-    order: &Order<'_>,
+    request: &CaptureRequest<'_>,
     view: &View,
     size: [u32; 2],
     tick: &(dyn Fn() + Sync),
@@ -167,7 +172,7 @@ fn write_view(
     let mut waiting: Vec<(u32, String)> = Vec::new();
     let mut before: Option<(u32, Vec<u8>)> = None;
     let store = |frame: u32, bytes: &[u8]| {
-        write_atomic(&order.out.join(Capture::picture_path(&view.camera.name, frame)), bytes)?;
+        write_atomic(&request.out.join(Capture::picture_path(&view.camera.name, frame)), bytes)?;
         tick();
         Ok::<_, DataError>(())
     };
@@ -201,7 +206,7 @@ fn write_view(
         let message = format!("no picture is whole: {why}");
         let place = format!("view {}", view.camera.name);
         let remedy = "restore the pictures from the data set";
-        return Err(DataError::invalid(order.input, place, message, remedy));
+        return Err(DataError::invalid(request.input, place, message, remedy));
     }
     substituted.sort_by_key(|substitution| substitution.frame);
     Ok(substituted)

@@ -20,7 +20,7 @@ fn noun_of(instance: &Instance) -> Noun<'_> {
 }
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
-    let Job { order, views, .. } = job;
+    let Job { request, views, .. } = job;
     // Objects before landmarks.
     let nouns: BTreeSet<Noun<'_>> = views.instances.iter().map(noun_of).collect();
     let nouns: Vec<Noun<'_>> = nouns.into_iter().collect();
@@ -36,7 +36,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         let cameras: Vec<&Camera> = cameras.iter().copied().filter(|camera| camera.split == split).collect();
         if !cameras.is_empty() {
             let document = document(job, &cameras, &nouns)?;
-            l4d_data::json::write_compact(&order.out.join(format!("instances_{name}.json")), &document)?;
+            l4d_data::json::write_compact(&request.out.join(format!("instances_{name}.json")), &document)?;
         }
     }
     manifest.note("segmentation is compressed run lengths, not polygons; iscrowd is 0");
@@ -100,7 +100,7 @@ fn write_and_read<'a>(
     let views: &'a SceneViews = job.views;
     let masks = views.masks(camera, frame)?;
     if masks.is_some() {
-        let path = job.order.out.join(file_name(camera, frame));
+        let path = job.request.out.join(file_name(camera, frame));
         views.write_png(&[PictureFile { camera, frame, path, depth: None }], job.tick)?;
     }
     Ok(masks)

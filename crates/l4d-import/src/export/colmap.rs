@@ -17,13 +17,13 @@ use crate::points::{add_point, model_of_pinholes, picture_name};
 const POINTS: &str = "sparse/0/points3D";
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
-    let Job { order, views, tick } = job;
+    let Job { request, views, tick } = job;
     for camera in views.training() {
         manifest.cameras.push(Called::camera(camera, picture_name(&camera.name)));
     }
     let mut statement = None;
     for &frame in &views.frames {
-        let folder = moment_folder(order.out, frame);
+        let folder = moment_folder(request.out, frame);
         let cameras = views.present(&views.training(), frame);
         let held_out = match views.shows_held_out_pictures() {
             true => views.present(&views.held_out(), frame),
@@ -41,7 +41,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
 
         let cloud = views.cloud(frame)?;
         let mut model = model_of_pinholes(&cameras, frame, views.size);
-        for point in cloud.iter().flat_map(|cloud| cloud.points(order.points)) {
+        for point in cloud.iter().flat_map(|cloud| cloud.points(request.points)) {
             // Positions are where the point projects, so that there is no error to speak of.
             let sightings = cloud.as_ref().map(|cloud| cloud.sightings(&point)).unwrap_or_default();
             add_point(&mut model, point.surface, 0.0, &sightings);
@@ -53,14 +53,14 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     if !held_out.is_empty() {
         let [width, height] = views.size;
         let rig = json!({ "width": width, "height": height, "cameras": held_out });
-        json::write(&order.out.join("held_out_camera.json"), &rig)?;
+        json::write(&request.out.join("held_out_camera.json"), &rig)?;
     }
     for camera in held_out {
         manifest.note(format!("{} is in no model; its pose is in held_out_camera.json", camera.name));
     }
     manifest.note("a folder a moment: train each by itself");
     statement.into_iter().for_each(|statement| manifest.note(statement));
-    if order.format == Format::LangSplat {
+    if request.format == Format::LangSplat {
         manifest.note(
             "its reader drops principal points; they are the centre of the picture here, so nothing is lost",
         );

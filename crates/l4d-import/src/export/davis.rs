@@ -17,7 +17,7 @@ use super::{Job, annotated, limit};
 const MOST_OBJECTS: usize = 254;
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
-    let Job { order, views, .. } = job;
+    let Job { request, views, .. } = job;
     let objects: Vec<&Instance> =
         views.instances.iter().filter(|instance| instance.role == Role::Object).collect();
     if objects.len() > MOST_OBJECTS {
@@ -41,7 +41,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
             .filter(|camera| camera.split == split)
             .map(|camera| format!("{}_{}\n", views.name, camera.name))
             .collect();
-        write_atomic(&order.out.join("ImageSets/2017").join(format!("{list}.txt")), lines.as_bytes())?;
+        write_atomic(&request.out.join("ImageSets/2017").join(format!("{list}.txt")), lines.as_bytes())?;
     }
     manifest.note(
         "numbers in the palette pictures are those of objects in `instances`; landmarks are background",
@@ -68,10 +68,10 @@ fn write_sequence(
     let moments = job.views.frames.iter().copied().enumerate();
     let moments: Vec<(usize, u32)> = moments.filter(|(_, frame)| job.views.saw(camera, *frame)).collect();
     let write = |&(moment, frame): &(usize, u32)| {
-        let path = job.order.out.join("JPEGImages/480p").join(sequence).join(format!("{moment:05}.jpg"));
+        let path = job.request.out.join("JPEGImages/480p").join(sequence).join(format!("{moment:05}.jpg"));
         write_atomic(&path, &encode_jpeg(&job.views.picture(camera, frame)?))?;
         let masks = job.views.masks(camera, frame)?;
-        let path = job.order.out.join("Annotations/480p").join(sequence).join(format!("{moment:05}.png"));
+        let path = job.request.out.join("Annotations/480p").join(sequence).join(format!("{moment:05}.png"));
         let numbered = masks.map(|masks| write_numbers(job, &path, &masks, objects)).transpose()?;
         (job.tick)();
         Ok(numbered)

@@ -27,15 +27,15 @@ const UNKNOWN_BOUNDS: [f64; 2] = [0.1, 100.0];
 const MOMENTS: usize = 300;
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
-    let Job { order, views, tick } = job;
+    let Job { request, views, tick } = job;
     let cameras = cameras(job);
     let frames = &views.frames;
-    let is_padded = order.format == Format::FourDLangSplat;
+    let is_padded = request.format == Format::FourDLangSplat;
     let mut pictures = Vec::new();
     for (number, camera) in cameras.iter().enumerate() {
         let name = format!("cam{number:02}");
         for (moment, &frame) in frames.iter().enumerate() {
-            let path = order.out.join(&name).join("images").join(format!("{moment:04}.png"));
+            let path = request.out.join(&name).join("images").join(format!("{moment:04}.png"));
             pictures.push(PictureFile { camera, frame, path, depth: None });
         }
         manifest.cameras.push(Called::camera(camera, name));
@@ -44,20 +44,20 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     for number in 0..cameras.len() {
         let name = format!("cam{number:02}");
         // Readers count these files; what is in them is read only where pictures are missing.
-        write_atomic(&order.out.join(format!("{name}.mp4")), b"")?;
+        write_atomic(&request.out.join(format!("{name}.mp4")), b"")?;
         if is_padded {
-            repeat_last(&order.out.join(name).join("images"), frames.len())?;
+            repeat_last(&request.out.join(name).join("images"), frames.len())?;
         }
     }
 
     let cloud = views.cloud(frames[0])?;
-    let points = cloud.as_ref().map(|cloud| cloud.surfaces(order.points));
+    let points = cloud.as_ref().map(|cloud| cloud.surfaces(request.points));
     if let Some(points) = &points {
-        write_atomic(&order.out.join(POINTS), &points::encode_ply(points))?;
+        write_atomic(&request.out.join(POINTS), &points::encode_ply(points))?;
     }
     let points = points.unwrap_or_default();
     let rows: Vec<f64> = cameras.iter().flat_map(|camera| row(job, camera, &points)).collect();
-    write_atomic(&order.out.join("poses_bounds.npy"), &npy::encode_f64(&[cameras.len(), 17], &rows))?;
+    write_atomic(&request.out.join("poses_bounds.npy"), &npy::encode_f64(&[cameras.len(), 17], &rows))?;
 
     manifest.note(format!(
         "readers make pictures 1352x1014 and divide focal lengths by two, so that {STATED_WIDTH}x{STATED_HEIGHT} and a \

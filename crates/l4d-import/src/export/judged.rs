@@ -13,10 +13,10 @@ use super::{Format, Job, limit};
 use crate::annotations::{Judged, four_d_langsplat, lerf_ovs};
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
-    let Job { order, views, .. } = job;
+    let Job { request, views, .. } = job;
     let (judged, camera) = camera(job)?;
     manifest.cameras.push(Called::camera(camera, camera.name.as_str()));
-    match order.format {
+    match request.format {
         Format::LerfOvs => write_lerf_ovs(job, judged, camera, &mut manifest)?,
         _ => write_4d_langsplat(job, judged, camera, &mut manifest)?,
     }
@@ -32,10 +32,10 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     Ok(manifest)
 }
 
-/// The truth of an order, and the camera that it is of.
+/// The truth of an request, and the camera that it is of.
 pub(super) fn camera<'a>(job: &Job<'a>) -> Result<(&'a Judged<'a>, &'a Camera), DataError> {
-    let Job { order, views, .. } = job;
-    let judged = order.judged.ok_or_else(|| limit(views, "name", "its queries and truth were not given"))?;
+    let Job { request, views, .. } = job;
+    let judged = request.judged.ok_or_else(|| limit(views, "name", "its queries and truth were not given"))?;
     let truth = judged.truth();
     let is_ours = truth.scene == views.name && truth.profile == views.profile;
     match views.camera(&truth.test_view) {
@@ -50,14 +50,14 @@ fn write_4d_langsplat(
     camera: &Camera,
     manifest: &mut Manifest,
 ) -> Result<(), DataError> {
-    let names = four_d_langsplat::write(job.order.out, judged)?;
+    let names = four_d_langsplat::write(job.request.out, judged)?;
     let [width, height] = four_d_langsplat::drawn_size(judged.truth());
     for (name, &frame) in names.iter().zip(&judged.truth().frames) {
         let picture = job.views.picture(camera, frame)?;
         let picture = RgbImage::from_fn(width, height, |col, row| {
             *picture.get_pixel(nearest(col, picture.width(), width), nearest(row, picture.height(), height))
         });
-        let path = job.order.out.join("annotations/train").join(name);
+        let path = job.request.out.join("annotations/train").join(name);
         write_atomic(&path, &encode_jpeg(&picture))?;
         (job.tick)();
     }
@@ -76,8 +76,8 @@ fn write_lerf_ovs(
     camera: &Camera,
     manifest: &mut Manifest,
 ) -> Result<(), DataError> {
-    for frame in lerf_ovs::write(job.order.out, judged)? {
-        let folder = job.order.out.join(lerf_ovs::moment_folder(&judged.truth().scene, frame));
+    for frame in lerf_ovs::write(job.request.out, judged)? {
+        let folder = job.request.out.join(lerf_ovs::moment_folder(&judged.truth().scene, frame));
         let picture = job.views.picture(camera, frame)?;
         write_atomic(&folder.join(format!("{}.jpg", lerf_ovs::STEM)), &encode_jpeg(&picture))?;
         (job.tick)();

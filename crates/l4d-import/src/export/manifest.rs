@@ -12,7 +12,7 @@ use l4d_data::store::{FolderLock, list_folder};
 use l4d_data::{Camera, DataError, Name, Profile, Split, json};
 use serde::{Deserialize, Serialize};
 
-use super::Order;
+use super::ExportRequest;
 use super::views::SceneViews;
 
 /// Schema tag of the manifest.
@@ -85,24 +85,25 @@ impl Called {
 }
 
 impl Manifest {
-    pub(super) fn new(order: &Order<'_>, views: &SceneViews) -> Result<Self, DataError> {
+    pub(super) fn new(request: &ExportRequest<'_>, views: &SceneViews) -> Result<Self, DataError> {
         // Evaluators ask about all moments, whichever were chosen for pictures.
-        let truth = order.judged.filter(|_| order.format.needs_truth()).map(|judged| judged.truth().clip());
-        let masks = views.masks_path.as_ref().filter(|_| order.format.holds_masks());
+        let truth =
+            request.judged.filter(|_| request.format.needs_truth()).map(|judged| judged.truth().clip());
+        let masks = views.masks_path.as_ref().filter(|_| request.format.holds_masks());
         Ok(Self {
             schema: SCHEMA.to_owned(),
             complete: false,
             scene: views.name.clone(),
             profile: views.profile,
-            format: order.format.to_string(),
-            held_out: order.held_out.to_string(),
-            depth: shows_depth(order, views),
+            format: request.format.to_string(),
+            held_out: request.held_out.to_string(),
+            depth: shows_depth(request, views),
             scene_sha256: sha256_file(&views.path)?,
             masks_sha256: masks.map(|path| sha256_file(path)).transpose()?,
             frames: truth.unwrap_or_else(|| views.frames.clone()),
             cameras: Vec::new(),
             instances: Vec::new(),
-            trained: order.format.reader().map(|reader| reader.trained(views.frames.len())),
+            trained: request.format.reader().map(|reader| reader.trained(views.frames.len())),
             notes: views.notes.clone(),
         })
     }
@@ -154,9 +155,9 @@ impl Manifest {
 }
 
 /// Whether an export holds depth of the render, or points made from it.
-fn shows_depth(order: &Order<'_>, views: &SceneViews) -> bool {
-    let has_points_of_depth = order.format.holds_points() && order.points_from.is_none();
-    views.has_depth() && (order.format.holds_depth() || has_points_of_depth)
+fn shows_depth(request: &ExportRequest<'_>, views: &SceneViews) -> bool {
+    let has_points_of_depth = request.format.holds_points() && request.points_from.is_none();
+    views.has_depth() && (request.format.holds_depth() || has_points_of_depth)
 }
 
 pub(super) struct Folder {
@@ -165,26 +166,27 @@ pub(super) struct Folder {
 }
 
 impl Folder {
-    /// Takes possession of the folder of an order.
-    pub(super) fn claim(order: &Order<'_>, views: &SceneViews) -> Result<Self, DataError> {
-        let lock = FolderLock::take(order.out)?;
-        let path = order.out.join(EXPORT_CARD);
+    /// Takes possession of the folder of a request.
+    pub(super) fn claim(request: &ExportRequest<'_>, views: &SceneViews) -> Result<Self, DataError> {
+        let lock = FolderLock::take(request.out)?;
+        let path = request.out.join(EXPORT_CARD);
         let refuse = |message: String| {
             let remedy = "choose an empty folder, or remove this one";
-            Err(DataError::invalid(order.out, "folder", message, remedy))
+            Err(DataError::invalid(request.out, "folder", message, remedy))
         };
         if path.is_file() {
             let earlier: Manifest = json::read(&path)?;
-            if (&earlier.scene, earlier.format.as_str()) != (&views.name, order.format.to_string().as_str()) {
+            if (&earlier.scene, earlier.format.as_str()) != (&views.name, request.format.to_string().as_str())
+            {
                 return refuse(format!("holds {} as {}", earlier.scene, earlier.format));
             }
-            if earlier.differs_from(&Manifest::new(order, views)?) {
+            if earlier.differs_from(&Manifest::new(request, views)?) {
                 return refuse("holds an export of other frames, other pictures or another split".to_owned());
             }
-        } else if let Some(entry) = list_folder(order.out)?.first() {
+        } else if let Some(entry) = list_folder(request.out)?.first() {
             return refuse(format!("is not empty: `{}` is there", l4d_data::error::inert(entry)));
         }
-        json::write(&path, &Manifest::new(order, views)?)?;
+        json::write(&path, &Manifest::new(request, views)?)?;
         Ok(Self { manifest: path, _lock: lock })
     }
 

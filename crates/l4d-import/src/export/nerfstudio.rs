@@ -17,7 +17,7 @@ use crate::{points, pose};
 const POINTS: &str = "points.ply";
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
-    let Job { order, views, tick } = job;
+    let Job { request, views, tick } = job;
     let training = views.training();
     let test = views.test_split();
     let shown = views.shown();
@@ -27,7 +27,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     let has_depth = views.has_depth();
     let mut statement = None;
     for &frame in &views.frames {
-        let folder = moment_folder(order.out, frame);
+        let folder = moment_folder(request.out, frame);
         let present = views.present(&shown, frame);
         let picture = |camera| PictureFile {
             camera,
@@ -39,7 +39,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         views.write_png(&pictures, *tick)?;
         let cloud = views.cloud(frame)?;
         if let Some(cloud) = &cloud {
-            write_atomic(&folder.join(POINTS), &points::encode_ply(&cloud.surfaces(order.points)))?;
+            write_atomic(&folder.join(POINTS), &points::encode_ply(&cloud.surfaces(request.points)))?;
         }
         let names = |cameras: &[&Camera]| {
             views.present(cameras, frame).into_iter().map(picture_path).collect::<Vec<String>>()

@@ -21,7 +21,7 @@ use crate::pose;
 const POINTS: &str = "init_pt_cld.npz";
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
-    let Job { order, views, tick } = job;
+    let Job { request, views, tick } = job;
     let training = views.training();
     let test = views.test_split();
     let numbered = views.shown();
@@ -32,7 +32,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         manifest.cameras.push(Called::camera(camera, format!("ims/{number}")));
         let moments = views.frames.iter().enumerate();
         for (moment, &frame) in moments.filter(|(_, frame)| views.saw(camera, **frame)) {
-            let path = order.out.join("ims").join(picture(number, moment));
+            let path = request.out.join("ims").join(picture(number, moment));
             pictures.push(PictureFile { camera, frame, path, depth: None });
         }
     }
@@ -56,11 +56,11 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         }
         json!({ "w": w, "h": h, "k": k, "w2c": w2c, "fn": files, "cam_id": ids })
     };
-    json::write_compact(&order.out.join("train_meta.json"), &meta(&training))?;
-    json::write_compact(&order.out.join("test_meta.json"), &meta(&test))?;
+    json::write_compact(&request.out.join("train_meta.json"), &meta(&training))?;
+    json::write_compact(&request.out.join("test_meta.json"), &meta(&test))?;
     let cloud = views.cloud(views.frames[0])?;
     if let Some(cloud) = &cloud {
-        write_points(&order.out.join(POINTS), &cloud.surfaces(order.points))?;
+        write_points(&request.out.join(POINTS), &cloud.surfaces(request.points))?;
     }
 
     manifest.note("time of the i-th moment is i / number of moments, as its reader computes it");

@@ -1,7 +1,7 @@
 //! The pictures and cameras of a scene, with the held-out cameras behind a gate.
 //!
 //! Every layout gets what it shows here, whether the scene was rendered or recorded, so that none can show what the
-//! order forbids. What is not known of a scene (depth, masks, points) is `None`, never made up.
+//! request forbids. What is not known of a scene (depth, masks, points) is `None`, never made up.
 
 mod captured;
 mod rendered;
@@ -16,7 +16,7 @@ use l4d_masks::Mask;
 use rayon::prelude::*;
 
 use super::cloud::{Cloud, Reconstruction};
-use super::{HeldOut, Order, Origin};
+use super::{ExportRequest, HeldOut, Origin};
 
 use self::captured::Recording;
 use self::rendered::Rendering;
@@ -63,13 +63,13 @@ pub(super) struct PictureFile<'a> {
 }
 
 impl SceneViews {
-    pub(super) fn open(order: &Order<'_>) -> Result<Self, DataError> {
-        let mut views = match order.origin {
-            Origin::Rendered(dir) => Rendering::open(dir, order.held_out)?,
-            Origin::Captured(dir) => Recording::open(dir, order.held_out)?,
+    pub(super) fn open(request: &ExportRequest<'_>) -> Result<Self, DataError> {
+        let mut views = match request.origin {
+            Origin::Rendered(dir) => Rendering::open(dir, request.held_out)?,
+            Origin::Captured(dir) => Recording::open(dir, request.held_out)?,
         };
         // What was opened has all moments.
-        if let Some(frame) = order.frames.iter().find(|frame| !views.frames.contains(frame)) {
+        if let Some(frame) = request.frames.iter().find(|frame| !views.frames.contains(frame)) {
             let message = match views.profile {
                 Profile::Real => format!("frame {frame} was not recorded"),
                 profile => format!("frame {frame} is not rendered in profile {profile}"),
@@ -78,8 +78,8 @@ impl SceneViews {
             let last = views.frames.last().copied().unwrap_or_default();
             return Err(views.wrong("frames", message, &format!("choose from {listed}, ..., {last}")));
         }
-        if !order.frames.is_empty() {
-            views.frames.retain(|frame| order.frames.contains(frame));
+        if !request.frames.is_empty() {
+            views.frames.retain(|frame| request.frames.contains(frame));
         }
         if let Material::Captured(recording) = &views.material {
             views.notes = recording.notes(&views.frames);
@@ -88,7 +88,7 @@ impl SceneViews {
             let remedy = "leave a view out of the held-out ones";
             return Err(views.wrong("field `cameras`", "there is none to train on".to_owned(), remedy));
         }
-        views.reconstruction = match (order.points_from, &views.material) {
+        views.reconstruction = match (request.points_from, &views.material) {
             (Some(folder), _) => Some(Reconstruction::given(folder, &views.cameras, &views.frames)?),
             (None, Material::Captured(recording)) => recording.reconstruction()?,
             (None, Material::Rendered(_)) => None,

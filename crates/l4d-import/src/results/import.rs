@@ -29,7 +29,7 @@ use super::shift::{Answers, Summits, check_cover, check_frames};
 use super::template::{Captures, Hit, Template};
 
 pub use card::{Identity, write};
-pub use frames::{Images, Order};
+pub use frames::{FrameOrder, Images};
 
 use answers::Collector;
 use frames::Pictures;
@@ -52,7 +52,7 @@ pub struct Request<'a> {
     /// How files are read; its codec is that of the preset.
     pub reading: Reading,
     /// Which frame a position is.
-    pub order: Order,
+    pub order: FrameOrder,
     /// Which position a COCO image is.
     pub images: Option<Images>,
     /// Whether masks of another size are brought to ours.

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use glam::{DMat3, DMat4, DVec2, DVec3};
 use l4d_data::{Camera, DataError, Name, Split};
 use l4d_frames::drawn::{RgbImage, encode_colour};
-use l4d_import::capture::{Capture, Order, Source, import};
+use l4d_import::capture::{Capture, CaptureRequest, Source, import};
 
 /// Rays of a capture are those of the source, pixels.
 pub(crate) const RAY_TOLERANCE_PX: f64 = 1e-4;
@@ -57,8 +57,9 @@ impl Bench {
     ) -> Result<Capture, DataError> {
         let (input, out) = (self.input(), self.out());
         let name = Name::new("found").unwrap();
-        let order = Order { source, input: &input, name: &name, out: &out, held_out, moments, ffmpeg };
-        let capture = import(order, &|| {})?;
+        let request =
+            CaptureRequest { source, input: &input, name: &name, out: &out, held_out, moments, ffmpeg };
+        let capture = import(request, &|| {})?;
         assert_eq!(Capture::read(&out).unwrap(), capture);
         Ok(capture)
     }

@@ -8,7 +8,7 @@ use l4d_data::layout::CaptureDir;
 use l4d_formats::colmap::{CameraModel, Model};
 use l4d_formats::npy;
 use l4d_import::capture::Source;
-use l4d_import::export::{Format, Order, Origin, export};
+use l4d_import::export::{ExportRequest, Format, Origin, export};
 use serde_json::json;
 
 use crate::support::{TEST_VIEW, World};
@@ -213,8 +213,12 @@ fn hypernerf_skew_and_ids_that_leave_the_folder_are_refused() {
 fn exported(format: Format) -> (World, Bench) {
     let (world, bench) = (World::new(), Bench::new());
     let (scene, out) = (world.dir(), world.out("exported"));
-    let order = Order { frames: &[48], points: 500, ..Order::new(Origin::Rendered(&scene), format, &out) };
-    export(order, &|| {}).unwrap();
+    let request = ExportRequest {
+        frames: &[48],
+        points: 500,
+        ..ExportRequest::new(Origin::Rendered(&scene), format, &out)
+    };
+    export(request, &|| {}).unwrap();
     std::fs::rename(out.join("frame_0048"), bench.input()).unwrap();
     (world, bench)
 }
@@ -249,8 +253,11 @@ fn points_and_tracks_of_a_model_survive_the_way_in_and_out() {
     // The capture is in a folder of another name than its own.
     let dir = CaptureDir::new(bench.out().parent().unwrap(), "out");
     let out = world.out("again");
-    let order = Order { points: usize::MAX, ..Order::new(Origin::Captured(&dir), Format::Colmap, &out) };
-    export(order, &|| {}).unwrap();
+    let request = ExportRequest {
+        points: usize::MAX,
+        ..ExportRequest::new(Origin::Captured(&dir), Format::Colmap, &out)
+    };
+    export(request, &|| {}).unwrap();
     let ours = Model::read(&out.join("frame_0000/sparse/0")).unwrap();
     let name_of =
         |model: &Model, id: u32| model.images.iter().find(|image| image.id == id).unwrap().name.clone();

@@ -7,7 +7,7 @@ use l4d_data::capture::{CAPTURE, Capture};
 use l4d_data::{DataError, Name, Profile, Split, json as files_of_json};
 use l4d_formats::colmap::Model;
 use l4d_import::annotations::{Judged, four_d_langsplat};
-use l4d_import::export::{Exported, Format, HeldOut, Order, Origin, export};
+use l4d_import::export::{ExportRequest, Exported, Format, HeldOut, Origin, export};
 use l4d_masks::{Mask, ids};
 
 use crate::support::{BALL, LATE_BALL, TEST_VIEW, World};
@@ -25,7 +25,7 @@ fn recorded(change: impl FnOnce(&mut Capture)) -> World {
 fn try_captured(world: &World, format: Format, held_out: HeldOut, out: &Path) -> Result<Exported, DataError> {
     let capture = world.capture_dir();
     let origin = Origin::Captured(&capture);
-    export(Order { held_out, points: 2000, ..Order::new(origin, format, out) }, &|| {})
+    export(ExportRequest { held_out, points: 2000, ..ExportRequest::new(origin, format, out) }, &|| {})
 }
 
 fn name(text: &str) -> Name {
@@ -98,13 +98,13 @@ fn without_points_a_layout_says_so_and_takes_those_of_a_model_in_the_same_world(
     world.reconstruct(&model);
     let (capture, scene) = (world.capture_dir(), world.dir());
     let with = |origin: Origin<'_>, model: &Path, out: &Path| {
-        let order = Order {
+        let request = ExportRequest {
             frames: &[0, 48],
             points: 2000,
             points_from: Some(model),
-            ..Order::new(origin, Format::FourDGaussians, out)
+            ..ExportRequest::new(origin, Format::FourDGaussians, out)
         };
-        export(order, &|| {})
+        export(request, &|| {})
     };
     for (number, origin) in [Origin::Captured(&capture), Origin::Rendered(&scene)].into_iter().enumerate() {
         let out = world.out(&format!("given-{number}"));
@@ -203,11 +203,11 @@ fn evaluators_count_the_moments_that_nobody_drew_on() {
     let queries = world.queries();
     let judged = Judged::new(Path::new("truth.json"), &truth, &queries).unwrap();
     let (capture, out) = (world.capture_dir(), world.out("annotations"));
-    let order = Order {
+    let request = ExportRequest {
         judged: Some(&judged),
-        ..Order::new(Origin::Captured(&capture), Format::FourDLangSplatAnnotations, &out)
+        ..ExportRequest::new(Origin::Captured(&capture), Format::FourDLangSplatAnnotations, &out)
     };
-    let manifest = export(order, &|| {}).unwrap().manifest;
+    let manifest = export(request, &|| {}).unwrap().manifest;
     assert_eq!(manifest.frames, world.frames(), "a moment is a place in the clip");
     let (annotations, moments) = four_d_langsplat::read(&out, 0).unwrap();
     assert_eq!(moments, [1, 4]);

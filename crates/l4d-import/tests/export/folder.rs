@@ -1,7 +1,7 @@
 //! Whose folder it is, what is left when an export is cut off, and which orders are refused.
 
 use l4d_data::reader::EXPORT_CARD;
-use l4d_import::export::{Format, HeldOut, Manifest, Order, Origin, export};
+use l4d_import::export::{ExportRequest, Format, HeldOut, Manifest, Origin, export};
 
 use strum::IntoEnumIterator as _;
 
@@ -85,13 +85,13 @@ fn what_comes_from_rendered_depth_is_said() {
     for (format, depth) in [(Format::Colmap, false), (Format::Nerfstudio, true)] {
         let (scene, out) = (world.dir(), world.out(&format!("{format}-given")));
         let points = world.out("colmap").join("frame_0000/sparse/0");
-        let order = Order {
+        let request = ExportRequest {
             frames: &[0],
             points: 100,
             points_from: Some(&points),
-            ..Order::new(Origin::Rendered(&scene), format, &out)
+            ..ExportRequest::new(Origin::Rendered(&scene), format, &out)
         };
-        assert_eq!(export(order, &|| {}).unwrap().manifest.depth, depth, "{format}");
+        assert_eq!(export(request, &|| {}).unwrap().manifest.depth, depth, "{format}");
     }
 }
 
@@ -99,8 +99,8 @@ fn what_comes_from_rendered_depth_is_said() {
 fn truth_has_to_be_brought_along() {
     let world = World::new();
     let (scene, out) = (world.dir(), world.out("none"));
-    let order = Order::new(Origin::Rendered(&scene), Format::LerfOvs, &out);
-    assert!(export(order, &|| {}).unwrap_err().to_string().contains("truth were not given"));
+    let request = ExportRequest::new(Origin::Rendered(&scene), Format::LerfOvs, &out);
+    assert!(export(request, &|| {}).unwrap_err().to_string().contains("truth were not given"));
 }
 
 #[test]
@@ -108,12 +108,14 @@ fn frames_can_be_chosen_among_the_rendered_ones() {
     let world = World::new();
     let scene = world.dir();
     let out = world.out("two");
-    let order =
-        Order { frames: &[96, 12], ..Order::new(Origin::Rendered(&scene), Format::FourDGaussians, &out) };
-    assert_eq!(export(order, &|| {}).unwrap().manifest.frames, [12, 96]);
+    let request = ExportRequest {
+        frames: &[96, 12],
+        ..ExportRequest::new(Origin::Rendered(&scene), Format::FourDGaussians, &out)
+    };
+    assert_eq!(export(request, &|| {}).unwrap().manifest.frames, [12, 96]);
     assert_eq!(std::fs::read_dir(out.join("ims/0")).unwrap().count(), 2);
     let elsewhere = world.out("elsewhere");
-    let error = export(Order { frames: &[13], out: &elsewhere, ..order }, &|| {}).unwrap_err();
+    let error = export(ExportRequest { frames: &[13], out: &elsewhere, ..request }, &|| {}).unwrap_err();
     assert!(error.to_string().contains("frame 13 is not rendered"), "{error}");
     assert!(!elsewhere.exists());
 }

@@ -22,7 +22,7 @@ use glam::{DVec2, DVec3};
 use l4d_data::{Camera, Profile};
 use l4d_frames::drawn::{RgbImage, decode_colour};
 use l4d_import::annotations::Judged;
-use l4d_import::export::{Exported, Format, HeldOut, Order, Origin, export};
+use l4d_import::export::{ExportRequest, Exported, Format, HeldOut, Origin, export};
 
 use support::World;
 
@@ -87,8 +87,9 @@ pub(crate) fn export_frames(
     };
     let judged = Judged::new(Path::new("truth.json"), &truth, &queries).unwrap();
     let judged = format.needs_truth().then_some(&judged);
-    let order = Order { frames, held_out, points: 2000, judged, ..Order::new(origin, format, out) };
-    export(order, &|| {})
+    let request =
+        ExportRequest { frames, held_out, points: 2000, judged, ..ExportRequest::new(origin, format, out) };
+    export(request, &|| {})
 }
 
 /// Points before a camera at all corners of its picture, and where they are seen.

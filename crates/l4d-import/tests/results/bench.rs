@@ -9,7 +9,7 @@ use l4d_data::scene::{Role, Scale};
 use l4d_data::truth::{InstanceTruth, SCHEMA, Truth, frame_key};
 use l4d_data::{Benchmark, Name, Profile, Report, json};
 use l4d_import::results::codec::{Reading, Selections};
-use l4d_import::results::import::{Encoders, Imported, Order, Request, import};
+use l4d_import::results::import::{Encoders, FrameOrder, Imported, Request, import};
 use l4d_import::results::preset::Preset;
 use l4d_masks::Mask;
 
@@ -91,7 +91,7 @@ pub(crate) fn request<'a>(bench: &'a Benchmark, preset: &str, root: &Path) -> Re
         preset,
         root: root.to_owned(),
         choices: BTreeMap::new(),
-        order: Order::Clip,
+        order: FrameOrder::Clip,
         images: None,
         encoders: Encoders::default(),
         claims: Vec::new(),

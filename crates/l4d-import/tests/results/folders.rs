@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use l4d_data::results::{MethodCard, Track};
 use l4d_data::{Name, Profile, Query, QueryId, Report};
-use l4d_import::results::import::{Identity, Imported, Order, Request, write};
+use l4d_import::results::import::{FrameOrder, Identity, Imported, Request, write};
 use l4d_import::results::relevancy::{TextsFile, gate};
 use l4d_masks::{Mask, ids, png};
 use l4d_score::judge::Answer;
@@ -349,7 +349,7 @@ fn a_list_of_frames_leaves_other_cameras_out() {
     // Two cameras in turn; the second one is held out.
     let frames = clip().into_iter().flat_map(|frame| [None, Some(frame)]).collect();
     let (imported, report) =
-        bench.import("gaussian-grouping", |request| request.order = Order::Listed(frames));
+        bench.import("gaussian-grouping", |request| request.order = FrameOrder::Listed(frames));
     assert!(report.is_empty(), "{:?}", report.into_sorted());
     assert_eq!(imported.answers[&id(2)].len(), 9);
     assert_eq!(mask_of(&imported, 0, 24).unwrap(), cup("cup_red", 2));

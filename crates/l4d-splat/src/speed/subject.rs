@@ -6,7 +6,7 @@ use l4d_data::{Camera, DataError, Name, Split, Timeline};
 use l4d_frames::Display;
 use l4d_frames::exr::read_frame;
 
-use super::{Order, Result, plain};
+use super::{Result, SpeedRequest, plain};
 use crate::Model;
 use crate::clip::Moment;
 use crate::model::time_of_frame;
@@ -47,27 +47,27 @@ pub(super) struct Subject {
 }
 
 impl Subject {
-    pub(super) fn open(order: &Order<'_>) -> Result<Self> {
-        match order.scene {
-            Some(scene) => Self::of_scene(order, scene),
-            None => Self::of_room(order),
+    pub(super) fn open(request: &SpeedRequest<'_>) -> Result<Self> {
+        match request.scene {
+            Some(scene) => Self::of_scene(request, scene),
+            None => Self::of_room(request),
         }
     }
 
-    fn of_scene(order: &Order<'_>, name: &Name) -> Result<Self> {
-        let (space, profile) = (order.space, order.space.profile());
+    fn of_scene(request: &SpeedRequest<'_>, name: &Name) -> Result<Self> {
+        let (space, profile) = (request.space, request.space.profile());
         let dir = space.scene(name);
         let scene = Scene::read(&dir.scene())?;
         let default = || space.work(name).splats();
-        let path = order.model.clone().unwrap_or_else(default);
+        let path = request.model.clone().unwrap_or_else(default);
         let all_frames: Vec<u32> = profile.frames().collect();
         let source =
             Source::open(&path, ReaderOptions::default())?.on(&path, Timeline::CANONICAL, &all_frames)?;
-        let frames = evenly(&all_frames, order.times);
+        let frames = evenly(&all_frames, request.times);
         let held_out = scene.cameras.iter().filter(|camera| camera.split == Split::Test);
         let training: Vec<Camera> =
             scene.cameras.iter().filter(|camera| camera.split == Split::Train).cloned().collect();
-        let cameras: Vec<Camera> = held_out.cloned().chain(evenly(&training, order.views - 1)).collect();
+        let cameras: Vec<Camera> = held_out.cloned().chain(evenly(&training, request.views - 1)).collect();
         let size = [scene.width, scene.height];
         let display = Display::new(scene.exposure);
         let seen = |frame: &u32| {
@@ -94,19 +94,19 @@ impl Subject {
         })
     }
 
-    fn of_room(order: &Order<'_>) -> Result<Self> {
-        let room = Room { gaussians: order.gaussians, ..Room::ordinary(order.seed) };
+    fn of_room(request: &SpeedRequest<'_>) -> Result<Self> {
+        let room = Room { gaussians: request.gaussians, ..Room::ordinary(request.seed) };
         let model = room.model().map_err(plain)?;
         let all_cameras = room.cameras().map_err(plain)?;
         // The held-out one is the last.
         let all_cameras: Vec<Camera> = all_cameras.into_iter().rev().collect();
-        let cameras = evenly(&all_cameras, order.views);
-        let size = order.size.unwrap_or(room.camera_size());
+        let cameras = evenly(&all_cameras, request.views);
+        let size = request.size.unwrap_or(room.camera_size());
         let all_frames: Vec<u32> = (0..ROOM_FRAMES).map(|index| index * 96 / (ROOM_FRAMES - 1)).collect();
-        let frames = evenly(&all_frames, order.times);
+        let frames = evenly(&all_frames, request.times);
         let pictures = cameras.len() * frames.len();
         Ok(Self {
-            about: about(&format!("a made-up room, seed {}", order.seed), &model, size, pictures),
+            about: about(&format!("a made-up room, seed {}", request.seed), &model, size, pictures),
             model,
             camera_size: room.camera_size(),
             size,

@@ -14,7 +14,7 @@ use l4d_frames::drawn::RgbImage;
 use l4d_frames::exr::{decode_seen, read_bytes};
 use l4d_frames::{Display, Frame, photo};
 
-use super::{Initialisation, Order, Result};
+use super::{Initialisation, Result, TrainingRequest};
 use crate::checkpoint::own::Sampling;
 use crate::train::Picture;
 
@@ -53,37 +53,37 @@ pub(super) struct LoadedPicture {
 }
 
 impl PictureSource {
-    pub(super) fn open(order: &Order<'_>) -> Result<Self> {
-        let Order { dir, profile, .. } = order;
+    pub(super) fn open(request: &TrainingRequest<'_>) -> Result<Self> {
+        let TrainingRequest { dir, profile, .. } = request;
         let path = dir.rig(*profile);
         if !path.exists() {
             return Err(StageError::new(
                 format!("{}: there is no scene", dir.root().display()),
                 format!(
                     "{}, or choose another --data",
-                    how_scenes_are_made(order.scene, order.profile, dir.root())
+                    how_scenes_are_made(request.scene, request.profile, dir.root())
                 ),
             ));
         }
-        if order.profile.is_rendered() { Self::of_rendered(order) } else { Self::of_capture(order) }
+        if request.profile.is_rendered() { Self::of_rendered(request) } else { Self::of_capture(request) }
     }
 
-    fn of_rendered(order: &Order<'_>) -> Result<Self> {
-        let dir = order.dir;
+    fn of_rendered(request: &TrainingRequest<'_>) -> Result<Self> {
+        let dir = request.dir;
         let path = dir.scene();
         let scene = Scene::read(&path)?;
-        if scene.profile != order.profile {
+        if scene.profile != request.profile {
             return Err(StageError::new(
                 format!(
                     "{}: field `profile` is {}, but {} was asked for",
                     path.display(),
                     scene.profile,
-                    order.profile
+                    request.profile
                 ),
                 format!("say --profile {}, or choose another --data", scene.profile),
             ));
         }
-        if (order.sampling.shrink, order.sampling.every) != (1, 1) {
+        if (request.sampling.shrink, request.sampling.every) != (1, 1) {
             return Err(StageError::new(
                 "--shrink and --every are for captures",
                 "choose a smaller --profile of a rendered scene",
@@ -95,33 +95,33 @@ impl PictureSource {
             cameras: scene.cameras,
             camera_size: size,
             size,
-            frames: order.profile.frames().collect(),
+            frames: request.profile.frames().collect(),
             timeline: Timeline::CANONICAL,
             sampling: None,
-            has_depth: looks_at_depth(order),
+            has_depth: looks_at_depth(request),
         })
     }
 
-    fn of_capture(order: &Order<'_>) -> Result<Self> {
-        let Order { dir, profile, .. } = order;
+    fn of_capture(request: &TrainingRequest<'_>) -> Result<Self> {
+        let TrainingRequest { dir, profile, .. } = request;
         let path = dir.rig(*profile);
         let lacks_depth = |flag: &str, remedy: &str| {
             Err(StageError::new(format!("{flag}: {} has no depth", path.display()), remedy.to_owned()))
         };
-        if order.init == Some(Initialisation::Depth) {
+        if request.init == Some(Initialisation::Depth) {
             return lacks_depth("--init depth", "say --init sweep, which compares pictures");
         }
-        if order.depth_weight.is_some_and(|weight| weight > 0.0) {
+        if request.depth_weight.is_some_and(|weight| weight > 0.0) {
             return lacks_depth("--depth-weight", "leave it out");
         }
         let rig = Rig::read(&path)?;
-        let sampling = order.sampling;
+        let sampling = request.sampling;
         let (size, camera_size) = sampling.sizes(rig.size());
         if size.contains(&0) {
             return Err(StageError::new(
                 format!(
                     "--shrink {} leaves nothing of {}x{} pixels",
-                    order.sampling.shrink, rig.width, rig.height
+                    request.sampling.shrink, rig.width, rig.height
                 ),
                 "choose a smaller factor",
             ));
@@ -130,12 +130,12 @@ impl PictureSource {
             cameras: rig.cameras.clone(),
             camera_size,
             size,
-            frames: sampling.moments(&rig.clip(order.profile)),
+            frames: sampling.moments(&rig.clip(request.profile)),
             timeline: rig.timeline(),
             sampling: Some(sampling),
             has_depth: false,
             source: Source::Recorded {
-                dir: CaptureDir::new(dir.root().parent().unwrap_or(dir.root()), order.scene),
+                dir: CaptureDir::new(dir.root().parent().unwrap_or(dir.root()), request.scene),
                 rig,
             },
         })
@@ -223,11 +223,11 @@ impl PictureSource {
 }
 
 /// Whether depth of a rendered scene has a say: as where Gaussians begin, or in the loss.
-fn looks_at_depth(order: &Order<'_>) -> bool {
-    match &order.init {
+fn looks_at_depth(request: &TrainingRequest<'_>) -> bool {
+    match &request.init {
         None | Some(Initialisation::Depth) => true,
         Some(Initialisation::Sweep) => false,
-        Some(Initialisation::Points(_)) => order.depth_weight != Some(0.0),
+        Some(Initialisation::Points(_)) => request.depth_weight != Some(0.0),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use l4d_data::{Benchmark, Report};
-use l4d_experiments::lift::{Order, bench, text};
+use l4d_experiments::lift::{LiftRequest, bench, text};
 use l4d_ground::oracle::NoisePreset;
 use l4d_score::{Exam, QuerySet};
 use serde_json::json;
@@ -19,7 +19,7 @@ pub(crate) fn run(args: &BenchLiftArgs, out: &Printer) -> Result<ExitStatus> {
     let exam =
         Exam::open(bench_folder, args.profile, QuerySet::Queries, &args.scenes, &mut Report::default())?;
     let folder = args.out.clone().unwrap_or_else(|| space.shared().bench("lift"));
-    let order = Order {
+    let request = LiftRequest {
         exam: &exam,
         space: &space,
         noise: args.noise.as_deref().map(NoisePreset::read).transpose()?,
@@ -31,7 +31,7 @@ pub(crate) fn run(args: &BenchLiftArgs, out: &Printer) -> Result<ExitStatus> {
         adapter: opened.adapter.clone(),
     };
     let _claim = claim(&folder, "lift", args.force)?;
-    let benched = bench(&order, out)?;
+    let benched = bench(&request, out)?;
     let figures = figures::publish_lift(&benched, &opened.rasterizer.name(), &folder, out)?;
     match args.json {
         true => out.json(&json!({ "about": benched.about, "rows": benched.rows }))?,

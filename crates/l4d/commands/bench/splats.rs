@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use l4d_data::Name;
-use l4d_splat::speed::{Backend, Order, measure_speed, text};
+use l4d_splat::speed::{Backend, SpeedRequest, measure_speed, text};
 use serde_json::json;
 
 use super::claim;
@@ -17,7 +17,7 @@ pub(crate) fn run(args: &BenchSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let space = args.work.space(args.profile);
     let scene = args.scene.as_deref().map(Name::new).transpose()?;
     let folder = args.out.clone().unwrap_or_else(|| space.shared().bench("splats"));
-    let order = Order {
+    let request = SpeedRequest {
         scene: scene.as_ref(),
         space: &space,
         model: args.model.clone(),
@@ -31,7 +31,7 @@ pub(crate) fn run(args: &BenchSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         folder: &folder,
     };
     let _claim = claim(&folder, "splats", args.force)?;
-    let speed = measure_speed(&order, adapters, out)?;
+    let speed = measure_speed(&request, adapters, out)?;
     let figures = figures::publish_splats(&speed, &folder, out)?;
     match args.json {
         true => out.json(&json!({ "about": speed.about, "rows": speed.rows }))?,

@@ -16,14 +16,14 @@ const MAX_BYTES: u64 = 64 << 20;
 
 /// Which frame the n-th picture of a render shows.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Order {
+pub enum FrameOrder {
     /// The n-th frame of the clip.
     Clip,
     /// As a list says; none where a picture is of another camera or not asked for.
     Listed(Vec<Option<u32>>),
 }
 
-impl Order {
+impl FrameOrder {
     /// Reads a list: a line a picture, in the order in which they were rendered, each a frame's number or `-`.
     ///
     /// # Errors
@@ -64,7 +64,7 @@ impl Order {
     }
 }
 
-impl fmt::Display for Order {
+impl fmt::Display for FrameOrder {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
             Self::Clip => "the n-th picture shows the n-th frame of the profile",
@@ -171,7 +171,7 @@ impl Pictures {
     pub(super) fn leave_out_padding(&self, request: &Request<'_>, hits: &mut Vec<Hit>) -> Option<String> {
         let all = request.preset.padded_to.filter(|all| *all > self.clip.len())? as u64;
         let positions: BTreeSet<Option<u64>> = hits.iter().map(|hit| hit.number("position")).collect();
-        if request.order != Order::Clip || !positions.into_iter().eq((0..all).map(Some)) {
+        if request.order != FrameOrder::Clip || !positions.into_iter().eq((0..all).map(Some)) {
             return None;
         }
         hits.retain(|hit| hit.number("position").is_some_and(|position| position < self.clip.len() as u64));
@@ -215,11 +215,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("frames.txt");
         std::fs::write(&path, "-\n0\n12\n").unwrap();
-        let order = Order::read(&path).unwrap();
+        let order = FrameOrder::read(&path).unwrap();
         assert_eq!([0, 1, 2].map(|n| order.frame(n, &[0, 12]).unwrap()), [None, Some(0), Some(12)]);
         assert_eq!(order.frame(3, &[0, 12]), Err(3));
         std::fs::write(&path, "0\nx\n").unwrap();
-        assert!(Order::read(&path).unwrap_err().to_string().contains("line 2"));
+        assert!(FrameOrder::read(&path).unwrap_err().to_string().contains("line 2"));
     }
 
     #[test]

@@ -37,7 +37,7 @@ pub struct Wanted<'a> {
 
 /// A model, what is drawn of it, and where that goes.
 #[derive(Debug)]
-pub struct Order {
+pub struct ClipsRequest {
     /// Where the model stands.
     pub model: PathBuf,
     /// What was read from there.
@@ -50,7 +50,7 @@ pub struct Order {
     pub timeline: Timeline,
 }
 
-impl Order {
+impl ClipsRequest {
     /// Resolves what is wanted. Whatever cannot be drawn is refused before the first file is written.
     ///
     /// # Errors
