@@ -293,8 +293,8 @@ fn what_cannot_work_is_refused_before_the_terminal_is_touched() {
     // Missing pictures: the command that makes them is named.
     std::fs::remove_file(frame_of(&desk, "tabletop_mouse_cups")).unwrap();
     desk.dir.remove("data/tiny/room_office");
-    let remedy = "l4d build-scenes --profile tiny --scenes room_office,tabletop_mouse_cups";
-    let missing = ["tabletop_mouse_cups lacks 1 picture", "room_office is not rendered", remedy];
+    let hint = "l4d build-scenes --profile tiny --scenes room_office,tabletop_mouse_cups";
+    let missing = ["tabletop_mouse_cups lacks 1 picture", "room_office is not rendered", hint];
     refused("--round r1 --as ada", &missing);
 }
 

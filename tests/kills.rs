@@ -205,7 +205,7 @@ fn cramped(dir: &Dir, line: &str) -> Run {
 }
 
 #[test]
-fn what_cannot_be_written_is_refused_with_file_and_remedy() {
+fn what_cannot_be_written_is_refused_with_file_and_hint() {
     let dir = releasing::rendered();
     cramped(&dir, "stats --profile tiny --output stats").refused(&["stats/", "cannot write"]);
     let line = format!("exec {} stats --profile tiny > /dev/full", env!("CARGO_BIN_EXE_l4d"));

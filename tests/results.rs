@@ -206,7 +206,7 @@ fn png_of(picture: &DynamicImage) -> Vec<u8> {
 }
 
 #[test]
-fn bad_pngs_are_named_with_a_remedy() {
+fn bad_pngs_are_named_with_a_hint() {
     let dir = Dir::with_oracle();
     dir.remove(MASK);
     let whole = png::encode(&Mask::full(128, 96));

@@ -139,7 +139,7 @@ fn training_ends_with_the_track_of_its_model() {
 }
 
 #[test]
-fn scenes_that_cannot_be_learned_are_refused_with_the_place_and_a_remedy() {
+fn scenes_that_cannot_be_learned_are_refused_with_the_place_and_a_hint() {
     let dir = scene();
     let ghost = "train-splats ghost --profile tiny --data data";
     dir.refuses(ghost, &["data/ghost", "build-scenes"]);

@@ -219,7 +219,7 @@ impl Dir {
         run
     }
 
-    /// Runs the binary and demands an error that says all this, and a remedy.
+    /// Runs the binary and demands an error that says all this, and a hint.
     pub(crate) fn refuses(&self, line: impl AsRef<str>, parts: &[&str]) {
         self.run(line).refused(parts);
     }
@@ -244,7 +244,7 @@ impl Run {
         }
     }
 
-    /// Demands an error with a remedy that says all this.
+    /// Demands an error with a hint that says all this.
     pub(crate) fn refused(&self, parts: &[&str]) {
         assert_eq!(self.code, 2, "{self}");
         for part in parts.iter().chain(&["hint:"]) {

@@ -77,7 +77,7 @@ pub(crate) struct GlobalArgs {
 pub(crate) enum Command {
     /// The whole flow on one tiny scene: render, check, baselines, scores, leaderboard
     Quickstart(QuickstartArgs),
-    /// What this machine has and lacks, one line each, with the remedy
+    /// What this machine has and lacks, one line each, with the hint
     Doctor(DoctorArgs),
     /// Render scenes with Blender: RGB, depth and instance ids from many cameras
     BuildScenes(BuildScenesArgs),

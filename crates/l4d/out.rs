@@ -37,7 +37,7 @@ impl From<ExitStatus> for ExitCode {
     }
 }
 
-/// An `anyhow` error with a remedy; `hint:` prints it.
+/// An `anyhow` error with a hint; `hint:` prints it.
 pub(crate) fn refusal(message: impl Into<String>, hint: impl Into<String>) -> anyhow::Error {
     StageError::new(message, hint).into()
 }
@@ -154,10 +154,10 @@ impl Printer {
         Ok(status)
     }
 
-    /// Prints findings by cause, one that many files share once, with the first of them; `remedy` says how to see all.
-    pub(crate) fn causes(&self, report: Report, remedy: &str) -> anyhow::Result<ExitStatus> {
+    /// Prints findings by cause, one that many files share once, with the first of them; `hint` says how to see all.
+    pub(crate) fn causes(&self, report: Report, hint: &str) -> anyhow::Result<ExitStatus> {
         let status = Self::status(&report);
-        let (findings, remedy) = (self.sorted(report), self.given.complete(remedy));
+        let (findings, hint) = (self.sorted(report), self.given.complete(hint));
         let of = |finding: &Finding| (finding.code, finding.message.clone(), finding.hint.clone());
         let mut by_cause: BTreeMap<_, Vec<&Finding>> = BTreeMap::new();
         findings.iter().for_each(|finding| by_cause.entry(of(finding)).or_default().push(finding));
@@ -175,7 +175,7 @@ impl Printer {
                 .iter()
                 .take(FIRST_OF_CAUSE)
                 .try_for_each(|finding| self.data(format!("    {}", place(finding))))?;
-            self.data(format!("    and {} more; {remedy}", alike.len() - FIRST_OF_CAUSE))?;
+            self.data(format!("    and {} more; {hint}", alike.len() - FIRST_OF_CAUSE))?;
             self.hint(&first.hint)?;
         }
         self.count(findings.len());

@@ -1,4 +1,4 @@
-//! Models, benchmarks and settings that somebody sends to do harm: each is refused with its file and a remedy.
+//! Models, benchmarks and settings that somebody sends to do harm: each is refused with its file and a hint.
 
 use std::fs::File;
 use std::os::unix::fs::symlink;
@@ -219,7 +219,7 @@ fn text_that_turns_its_direction() {
 }
 
 #[test]
-fn every_refusal_names_a_file_and_a_remedy() {
+fn every_refusal_names_a_file_and_a_hint() {
     let dir = with_cameras();
     ply::write(&dir.path("good.ply"), &gaussians()).unwrap();
     for (text, said) in [

@@ -41,7 +41,7 @@ impl AnnotateError {
     }
 }
 
-/// An error with its causes and its remedy, in one line: what fits on the screen of a session.
+/// An error with its causes and its hint, in one line: what fits on the screen of a session.
 pub(crate) fn in_full(error: &DataError) -> String {
     let mut text = error.to_string();
     let mut cause = std::error::Error::source(error);

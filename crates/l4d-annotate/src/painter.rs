@@ -178,8 +178,8 @@ impl Painter {
 
     fn card(&self, scene: &Name) -> Result<SceneInfo, DataError> {
         self.scenes.get(scene).cloned().ok_or_else(|| {
-            let remedy = "this is a fault of l4d: please report it";
-            DataError::invalid(&self.data, "scene", format!("{scene} is not one of the round"), remedy)
+            let hint = "this is a fault of l4d: please report it";
+            DataError::invalid(&self.data, "scene", format!("{scene} is not one of the round"), hint)
         })
     }
 }

@@ -129,7 +129,7 @@ pub fn probe(python: &Path) -> Result<Probe> {
 }
 
 /// What to do about a module that does not load.
-pub fn import_remedy(module: &str, error: &str, scripts: &Path) -> String {
+pub fn import_hint(module: &str, error: &str, scripts: &Path) -> String {
     if let Some(library) = missing_library(error) {
         let package = debian_package(library);
         return format!("install the system library {library} (Debian, Ubuntu: apt-get install {package})");
@@ -174,7 +174,7 @@ fn require_modules(python: &Path, scripts: &Path) -> Result<()> {
         None => Ok(()),
         Some((module, error)) => Err(StageError::new(
             format!("{} (Python {}) cannot import {module}: {error}", python.display(), probe.version),
-            import_remedy(module, error, scripts),
+            import_hint(module, error, scripts),
         )),
     }
 }
@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn a_missing_system_library_names_its_package() {
         let error = "ImportError: libXfixes.so.3: cannot open shared object file: No such file or directory";
-        assert!(import_remedy("bpy", error, Path::new("scripts")).contains("apt-get install libxfixes3"));
+        assert!(import_hint("bpy", error, Path::new("scripts")).contains("apt-get install libxfixes3"));
     }
 
     #[test]

@@ -201,8 +201,8 @@ fn read(path: &Path, split: SetSplit) -> Result<Spec, StageError> {
         Some(SCENARIO) => {
             let Scenario { name, scale, groups, events } = json::read(path)?;
             if events.is_empty() {
-                let remedy = "say what happens";
-                return Err(DataError::invalid(path, "field `events`", "is empty", remedy).into());
+                let hint = "say what happens";
+                return Err(DataError::invalid(path, "field `events`", "is empty", hint).into());
             }
             let distinct = |words: BTreeSet<String>| words.into_iter().collect();
             Ok(Spec {
@@ -214,9 +214,9 @@ fn read(path: &Path, split: SetSplit) -> Result<Spec, StageError> {
         }
         found => {
             let found = format!("is {}", found.unwrap_or("missing"));
-            let remedy =
+            let hint =
                 "write a composition as `l4d compose` does, or a scenario as `l4d propose-scenes` does";
-            Err(DataError::invalid(path, "field `schema`", found, remedy).into())
+            Err(DataError::invalid(path, "field `schema`", found, hint).into())
         }
     }
 }

@@ -67,7 +67,7 @@ impl ViewCard {
 
 impl Document for ViewCard {
     const SCHEMA: &'static str = VIEW_SCHEMA;
-    const REMEDY: &'static str = "remove the frames of the view and run `l4d build-scenes` again";
+    const HINT: &'static str = "remove the frames of the view and run `l4d build-scenes` again";
 
     fn schema(&self) -> &str {
         &self.schema

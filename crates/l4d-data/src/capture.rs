@@ -159,8 +159,8 @@ impl MaskSet {
     /// Other masks that are there, unless `force`.
     pub fn is_in(&self, folder: &Path, force: bool) -> Result<bool, DataError> {
         let path = folder.join(MASKS);
-        let remedy = "give another --out, or replace them with --force";
-        holds(&path, &json::compact(&path, self)?, force, remedy)
+        let hint = "give another --out, or replace them with --force";
+        holds(&path, &json::compact(&path, self)?, force, hint)
     }
 
     /// Writes the file into the folder of the capture, unless it is there.
@@ -196,7 +196,7 @@ impl MaskedInstance {
 
 impl Document for Capture {
     const SCHEMA: &'static str = SCHEMA;
-    const REMEDY: &'static str = "import the scene again";
+    const HINT: &'static str = "import the scene again";
 
     fn schema(&self) -> &str {
         &self.schema
@@ -218,7 +218,7 @@ impl Document for Capture {
 
 impl Document for MaskSet {
     const SCHEMA: &'static str = MASKS_SCHEMA;
-    const REMEDY: &'static str = "import the masks again";
+    const HINT: &'static str = "import the masks again";
 
     fn schema(&self) -> &str {
         &self.schema

@@ -64,7 +64,7 @@ impl Composition {
 
 impl Document for Composition {
     const SCHEMA: &'static str = SCHEMA;
-    const REMEDY: &'static str = "write it with `l4d compose`";
+    const HINT: &'static str = "write it with `l4d compose`";
 
     fn schema(&self) -> &str {
         &self.schema

@@ -1,4 +1,4 @@
-//! What can be wrong with a file, always with its path, the field and a remedy.
+//! What can be wrong with a file, always with its path, the field and a hint.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ pub enum DataError {
         /// What is wrong there.
         message: String,
         /// What to do about it.
-        remedy: String,
+        hint: String,
     },
 }
 
@@ -83,15 +83,15 @@ impl DataError {
         Self::Format { path: path.to_owned(), location, message }
     }
 
-    /// A semantic error with its remedy.
+    /// A semantic error with its hint.
     pub fn invalid(
         path: &Path,
         location: impl Into<String>,
         message: impl Into<String>,
-        remedy: impl Into<String>,
+        hint: impl Into<String>,
     ) -> Self {
         let (location, message) = (inert(&location.into()), inert(&message.into()));
-        Self::Invalid { path: path.to_owned(), location, message, remedy: inert(&remedy.into()) }
+        Self::Invalid { path: path.to_owned(), location, message, hint: inert(&hint.into()) }
     }
 
     /// The file or folder concerned.
@@ -137,7 +137,7 @@ impl DataError {
                 _ => "check the path, the links in it and the disk, then run the command again",
             },
             Self::Format { .. } => "see docs/formats.md for the format of this file",
-            Self::Invalid { remedy, .. } => remedy,
+            Self::Invalid { hint, .. } => hint,
         }
     }
 }

@@ -25,7 +25,7 @@ pub trait Document: DeserializeOwned {
     /// What its field `schema` holds.
     const SCHEMA: &'static str;
     /// What to do about one that is wrong.
-    const REMEDY: &'static str;
+    const HINT: &'static str;
 
     /// Its field `schema`.
     fn schema(&self) -> &str;
@@ -49,7 +49,7 @@ pub fn read_document<T: Document>(path: &Path) -> Result<T, DataError> {
     };
     match problem {
         None => Ok(document),
-        Some((place, message)) => Err(DataError::invalid(path, place, message, T::REMEDY)),
+        Some((place, message)) => Err(DataError::invalid(path, place, message, T::HINT)),
     }
 }
 

@@ -94,7 +94,7 @@ pub fn meant<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     nearest.filter(|nearest| likeness(nearest) >= ALIKE)
 }
 
-/// The remedy for a name that is none of those known: the one that is meant first, where it misspells one.
+/// The hint for a name that is none of those known: the one that is meant first, where it misspells one.
 pub fn choose_among(name: &str, known: &[&str]) -> String {
     let question = meant(name, known).map_or_else(String::new, |meant| format!("did you mean `{meant}`? "));
     format!("{question}choose among {}", known.join(", "))

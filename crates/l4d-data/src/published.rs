@@ -57,7 +57,7 @@ impl Published {
         for (index, figure) in reader.deserialize::<Figure>().enumerate() {
             let place = format!("number {}", index + 1);
             let figure = figure.map_err(|error| DataError::format(path, &place, error))?;
-            let refuse = |message: String, remedy: &str| DataError::invalid(path, place, message, remedy);
+            let refuse = |message: String, hint: &str| DataError::invalid(path, place, message, hint);
             if figure.table != table {
                 let message = format!("belongs to table `{}`", figure.table);
                 return Err(refuse(message, "give each table a file of its name"));

@@ -314,11 +314,11 @@ fn read(path: &Path, scene: &str, absent: bool) -> Result<Vec<Query>, DataError>
     let mut texts = BTreeSet::new();
     let mut queries = Vec::new();
     for (line, query) in json::read_lines::<Query>(path)? {
-        let refuse = |field: &str, message: String, remedy: &str| {
-            Err(DataError::invalid(path, format!("line {line}, field `{field}`"), message, remedy))
+        let refuse = |field: &str, message: String, hint: &str| {
+            Err(DataError::invalid(path, format!("line {line}, field `{field}`"), message, hint))
         };
-        if let Some((field, message, remedy)) = query.problem(scene, absent) {
-            return refuse(field, message, remedy);
+        if let Some((field, message, hint)) = query.problem(scene, absent) {
+            return refuse(field, message, hint);
         }
         if !ids.insert(query.id.clone()) {
             return refuse("id", format!("`{}` occurs twice", query.id), "give each query its own number");

@@ -246,8 +246,8 @@ impl MethodCard {
 }
 
 fn invalid(path: &Path, field: &str, message: String) -> DataError {
-    let remedy = "write method.json as docs/formats.md says, or let `l4d init-results` write it";
-    DataError::invalid(path, format!("field `{field}`"), message, remedy)
+    let hint = "write method.json as docs/formats.md says, or let `l4d init-results` write it";
+    DataError::invalid(path, format!("field `{field}`"), message, hint)
 }
 
 /// `results/<method>/masks/<scene>/<nnn>.json`: the masks of one query in the held-out view.
@@ -271,7 +271,7 @@ impl MaskFile {
         for (frame, mask) in &file.frames {
             if let Some(error) = mask.as_ref().and_then(|mask| mask.misfit(width, height)) {
                 let place = format!("frame {frame}");
-                return Err(DataError::invalid(path, place, error.to_string(), error.remedy()));
+                return Err(DataError::invalid(path, place, error.to_string(), error.hint()));
             }
         }
         Ok(file)

@@ -61,8 +61,8 @@ impl Rig {
             return Err(wrong(place, problem));
         }
         if let Some((field, message)) = rig.clip_problem() {
-            let remedy = "import the scene again";
-            return Err(DataError::invalid(path, format!("field `{field}`"), message, remedy));
+            let hint = "import the scene again";
+            return Err(DataError::invalid(path, format!("field `{field}`"), message, hint));
         }
         rig.hold_poses();
         Ok(rig)

@@ -49,7 +49,7 @@ pub enum RleError {
 
 impl RleError {
     /// What to do about it.
-    pub fn remedy(&self) -> &'static str {
+    pub fn hint(&self) -> &'static str {
         match self {
             Self::Size(..) | Self::Total { .. } => "encode a mask of exactly the stated [height, width]",
             Self::Malformed(_) => {

@@ -174,7 +174,7 @@ impl Scene {
 
 impl Document for Scene {
     const SCHEMA: &'static str = SCHEMA;
-    const REMEDY: &'static str = "build the scene again with `l4d build-scenes --overwrite`";
+    const HINT: &'static str = "build the scene again with `l4d build-scenes --overwrite`";
 
     fn schema(&self) -> &str {
         &self.schema

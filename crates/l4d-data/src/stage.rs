@@ -46,7 +46,7 @@ pub struct StageError {
 }
 
 impl StageError {
-    /// A refusal with its remedy.
+    /// A refusal with its hint.
     pub fn new(message: impl Into<String>, hint: impl Into<String>) -> Self {
         Self { message: message.into(), hint: hint.into() }
     }

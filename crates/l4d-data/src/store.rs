@@ -78,14 +78,14 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), DataError> {
 /// Whether the file is there with just these bytes.
 ///
 /// # Errors
-/// A file with other bytes, unless they may be replaced; `remedy` says how.
-pub fn holds(path: &Path, bytes: &[u8], force: bool, remedy: &str) -> Result<bool, DataError> {
+/// A file with other bytes, unless they may be replaced; `hint` says how.
+pub fn holds(path: &Path, bytes: &[u8], force: bool, hint: &str) -> Result<bool, DataError> {
     if fs::symlink_metadata(path).is_err() {
         return Ok(false);
     }
     let is_same = read_bounded(path, bytes.len() as u64).is_ok_and(|found| found == bytes);
     if !is_same && !force {
-        return Err(DataError::invalid(path, "file", "is there with other content", remedy));
+        return Err(DataError::invalid(path, "file", "is there with other content", hint));
     }
     Ok(is_same)
 }
@@ -94,8 +94,8 @@ pub fn holds(path: &Path, bytes: &[u8], force: bool, remedy: &str) -> Result<boo
 ///
 /// # Errors
 /// As [`holds`] and [`write_atomic`].
-pub fn write_unless_held(path: &Path, bytes: &[u8], force: bool, remedy: &str) -> Result<bool, DataError> {
-    let is_new = !holds(path, bytes, force, remedy)?;
+pub fn write_unless_held(path: &Path, bytes: &[u8], force: bool, hint: &str) -> Result<bool, DataError> {
+    let is_new = !holds(path, bytes, force, hint)?;
     if is_new {
         write_atomic(path, bytes)?;
     }

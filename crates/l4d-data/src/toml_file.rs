@@ -11,24 +11,24 @@ use crate::store::read_bounded;
 /// No such file is larger.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Reads a file; `remedy` says where its fields are described.
+/// Reads a file; `hint` says where its fields are described.
 ///
 /// # Errors
 /// A file that cannot be read, or has another form.
-pub fn read<T: DeserializeOwned>(path: &Path, remedy: &str) -> Result<T, DataError> {
+pub fn read<T: DeserializeOwned>(path: &Path, hint: &str) -> Result<T, DataError> {
     let bytes = read_bounded(path, MAX_BYTES)?;
     let text = str::from_utf8(&bytes)
-        .map_err(|error| DataError::invalid(path, "top level", format!("is no text: {error}"), remedy))?;
-    parse(path, text, remedy)
+        .map_err(|error| DataError::invalid(path, "top level", format!("is no text: {error}"), hint))?;
+    parse(path, text, hint)
 }
 
 /// Parses the text of `path`.
 ///
 /// # Errors
 /// Text of another form.
-pub fn parse<T: DeserializeOwned>(path: &Path, text: &str, remedy: &str) -> Result<T, DataError> {
+pub fn parse<T: DeserializeOwned>(path: &Path, text: &str, hint: &str) -> Result<T, DataError> {
     let wrong = |place: String, error: &toml::de::Error| {
-        DataError::invalid(path, place, without_values(error.message()), remedy)
+        DataError::invalid(path, place, without_values(error.message()), hint)
     };
     let document = toml::Deserializer::parse(text).map_err(|error| {
         let line = error.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);

@@ -228,7 +228,7 @@ impl Tracks {
 
 impl Document for Tracks {
     const SCHEMA: &'static str = SCHEMA;
-    const REMEDY: &'static str = "mend the recipe and run `l4d build-scenes --tracks-only` again";
+    const HINT: &'static str = "mend the recipe and run `l4d build-scenes --tracks-only` again";
 
     fn schema(&self) -> &str {
         &self.schema

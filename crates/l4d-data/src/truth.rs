@@ -191,7 +191,7 @@ impl Truth {
 
 impl Document for Truth {
     const SCHEMA: &'static str = SCHEMA;
-    const REMEDY: &'static str = "restore the file from the release, or build the scene again";
+    const HINT: &'static str = "restore the file from the release, or build the scene again";
 
     fn schema(&self) -> &str {
         &self.schema

@@ -148,7 +148,7 @@ struct Books {
 
 impl Ledger {
     pub(crate) fn new(budget: Budget, prices: Option<Prices>) -> Result<Self, EndpointError> {
-        let refuse = |message, remedy| Err(EndpointError::not_asked("max_cost", message, remedy));
+        let refuse = |message, hint| Err(EndpointError::not_asked("max_cost", message, hint));
         match (budget.max_cost, prices) {
             (Some(cost), _) if !cost.is_finite() || cost < 0.0 => {
                 refuse("must be a finite number that is not negative", "give the most that a run may cost")

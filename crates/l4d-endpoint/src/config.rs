@@ -280,8 +280,8 @@ impl Endpoint {
             ),
         ];
         match rules.into_iter().find(|(holds, ..)| !holds) {
-            Some((_, field, message, remedy)) => {
-                Err(EndpointError::not_asked(format!("{place}: {field}"), message, remedy))
+            Some((_, field, message, hint)) => {
+                Err(EndpointError::not_asked(format!("{place}: {field}"), message, hint))
             }
             None => Ok(()),
         }
@@ -365,7 +365,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_is_refused_with_field_and_remedy() {
+    fn what_cannot_be_is_refused_with_field_and_hint() {
         let cases = [
             ("model = \"m\"".to_owned(), "base_url"),
             ("base_url = \"http://localhost\"".to_owned(), "model"),

@@ -1,4 +1,4 @@
-//! What can go wrong between a question and its answer, each with a remedy. No error ever holds a key.
+//! What can go wrong between a question and its answer, each with a hint. No error ever holds a key.
 
 use std::time::Duration;
 
@@ -19,7 +19,7 @@ pub enum EndpointError {
         /// What is wrong there.
         message: String,
         /// What to do about it.
-        remedy: String,
+        hint: String,
     },
     /// The server was not reached, or what it sent is no answer.
     #[error(transparent)]
@@ -47,7 +47,7 @@ pub struct Failure {
     /// What came back, shortened, or the words of the operating system.
     pub message: String,
     /// What to do about it.
-    pub remedy: &'static str,
+    pub hint: &'static str,
     /// Whether the same question may succeed in a while.
     pub is_passing: bool,
     /// How long the server asks to wait.
@@ -58,11 +58,11 @@ pub struct Failure {
 
 impl Failure {
     /// One that asking again does not mend.
-    pub(crate) fn lasting(url: &str, message: impl Into<String>, remedy: &'static str) -> Self {
+    pub(crate) fn lasting(url: &str, message: impl Into<String>, hint: &'static str) -> Self {
         Self {
             url: url.to_owned(),
             message: message.into(),
-            remedy,
+            hint,
             is_passing: false,
             retry_after: None,
             may_have_cost: false,
@@ -74,17 +74,17 @@ impl EndpointError {
     pub(crate) fn not_asked(
         place: impl Into<String>,
         message: impl Into<String>,
-        remedy: impl Into<String>,
+        hint: impl Into<String>,
     ) -> Self {
-        Self::NotAsked { place: place.into(), message: message.into(), remedy: remedy.into() }
+        Self::NotAsked { place: place.into(), message: message.into(), hint: hint.into() }
     }
 
     /// What to do about it.
     pub fn hint(&self) -> &str {
         match self {
             Self::Data(error) => error.hint(),
-            Self::NotAsked { remedy, .. } => remedy,
-            Self::Server(failure) => failure.remedy,
+            Self::NotAsked { hint, .. } => hint,
+            Self::Server(failure) => failure.hint,
             Self::Refused(_) => "reword the question, or use another model",
             Self::Truncated(_) => "raise the limit of tokens, or use a model that thinks less",
             Self::NoJson(_) | Self::Unfit(_) => {

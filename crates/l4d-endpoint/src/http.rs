@@ -93,12 +93,12 @@ impl Http {
 
     fn failure(&self, call: &Call, error: &ureq::Error) -> Failure {
         use ureq::Error;
-        let lasting = |remedy| Failure::lasting(&call.url, self.redactor.text(&error.to_string()), remedy);
+        let lasting = |hint| Failure::lasting(&call.url, self.redactor.text(&error.to_string()), hint);
         let unreachable = || Failure {
             is_passing: true,
             ..lasting("start the server, or check host and port in `base_url`")
         };
-        let interrupted = |remedy| Failure { is_passing: true, may_have_cost: true, ..lasting(remedy) };
+        let interrupted = |hint| Failure { is_passing: true, may_have_cost: true, ..lasting(hint) };
         let timeout =
             || interrupted("give the server more time under [timeouts], send less, or see why it is slow");
         let reset = || interrupted("see the server's own log: it ended the connection before the answer did");

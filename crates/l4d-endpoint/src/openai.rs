@@ -142,9 +142,9 @@ fn read_json(call: &Call, response: &Response) -> Result<Value, Failure> {
     match error_in(&document) {
         Some((message, code)) => {
             let message = format!("HTTP {}, but the body is an error: {message}", response.status);
-            let remedy = "see the server's own log; `l4d endpoint check` tells what works";
+            let hint = "see the server's own log; `l4d endpoint check` tells what works";
             let is_passing = code.is_some_and(is_passing);
-            Err(Failure { is_passing, ..Failure::lasting(&call.url, message, remedy) })
+            Err(Failure { is_passing, ..Failure::lasting(&call.url, message, hint) })
         }
         None => Ok(document),
     }
@@ -156,12 +156,12 @@ fn failure(call: &Call, response: &Response) -> Failure {
     let status = response.status;
     if (300..400).contains(&status) {
         let message = format!("HTTP {status}: the server points to {}", target(response));
-        let remedy =
+        let hint =
             "set `base_url` to where the server points, if you trust it: keys are not sent after a redirect";
-        return Failure::lasting(&call.url, message, remedy);
+        return Failure::lasting(&call.url, message, hint);
     }
     // What the body says is not shown: it may hold the key.
-    let (meaning, remedy) = match status {
+    let (meaning, hint) = match status {
         401 => ("the key is missing or wrong", CHECK_KEY),
         403 => ("the key is not allowed to do this", CHECK_KEY),
         404 => (
@@ -186,7 +186,7 @@ fn failure(call: &Call, response: &Response) -> Failure {
     Failure {
         is_passing: is_passing(status),
         retry_after: retry_after(response),
-        ..Failure::lasting(&call.url, format!("HTTP {status}: {meaning}"), remedy)
+        ..Failure::lasting(&call.url, format!("HTTP {status}: {meaning}"), hint)
     }
 }
 

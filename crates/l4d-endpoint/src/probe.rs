@@ -32,14 +32,14 @@ pub struct Line {
     /// What was seen.
     pub found: String,
     /// What to do about it; empty where nothing is to be done.
-    pub remedy: String,
+    pub hint: String,
 }
 
-/// State, what was seen, and the remedy.
+/// State, what was seen, and the hint.
 type Finding = (State, String, String);
 
-fn finding(state: State, found: impl Into<String>, remedy: &str) -> Finding {
-    (state, found.into(), remedy.to_owned())
+fn finding(state: State, found: impl Into<String>, hint: &str) -> Finding {
+    (state, found.into(), hint.to_owned())
 }
 
 fn lacking(error: EndpointError) -> Finding {
@@ -59,8 +59,8 @@ pub fn probe(client: &Client, picture: (&Image, &str), mut next: impl FnMut(&'st
     let mut lines: Vec<Line> = Vec::new();
     let mut add = |name, look: &dyn Fn() -> Finding| {
         next(name);
-        let (state, found, remedy) = look();
-        lines.push(Line { name, state, found, remedy });
+        let (state, found, hint) = look();
+        lines.push(Line { name, state, found, hint });
         state
     };
     add("key", &|| key(client));
@@ -95,8 +95,8 @@ fn key(client: &Client) -> Finding {
         (true, _) => finding(State::Ok, "none is sent", ""),
         (false, false) => finding(State::Ok, found, ""),
         (false, true) => {
-            let remedy = "it crosses the network in the clear: use https, or a tunnel to localhost";
-            finding(State::Lacking, found, remedy)
+            let hint = "it crosses the network in the clear: use https, or a tunnel to localhost";
+            finding(State::Lacking, found, hint)
         }
     }
 }
@@ -114,11 +114,11 @@ fn models(client: &Client) -> Finding {
     }
     let names: Vec<String> = models.iter().take(SHOWN).map(|name| excerpt(name)).collect();
     let more = if models.len() > SHOWN { ", ..." } else { "" };
-    let remedy = match names.is_empty() {
+    let hint = match names.is_empty() {
         true => "load a model into the server".to_owned(),
         false => format!("the server lists {}{more}", names.join(", ")),
     };
-    (State::Unclear, format!("{} listed, `{model}` is not among them", models.len()), remedy)
+    (State::Unclear, format!("{} listed, `{model}` is not among them", models.len()), hint)
 }
 
 fn chat(reply: &Result<Reply, EndpointError>) -> Finding {
@@ -174,8 +174,8 @@ fn several_pictures(client: &Client, image: &Image) -> Finding {
         Err(error) => return finding(State::Lacking, error.to_string(), more),
     };
     if !reply.notes.is_empty() {
-        let remedy = "raise the context of the server, or send fewer pictures";
-        return finding(State::Unclear, reply.notes.join("; "), remedy);
+        let hint = "raise the context of the server, or send fewer pictures";
+        return finding(State::Unclear, reply.notes.join("; "), hint);
     }
     if reply.text.contains('3') || reply.text.to_lowercase().contains("three") {
         return finding(State::Ok, "three at once, and all were seen", "");

@@ -28,8 +28,8 @@ impl Secret {
         text.and_then(|text| text.into_string().map_err(|_not_utf8| "is not text"))
             .and_then(|text| Self::new(&text))
             .map_err(|message| {
-                let remedy = "export the key, or leave `api_key_env` out if the server wants none";
-                EndpointError::not_asked(format!("environment variable {variable}"), message, remedy)
+                let hint = "export the key, or leave `api_key_env` out if the server wants none";
+                EndpointError::not_asked(format!("environment variable {variable}"), message, hint)
             })
     }
 

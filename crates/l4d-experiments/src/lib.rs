@@ -12,7 +12,7 @@ use l4d_data::StageError;
 
 type Result<T, E = StageError> = std::result::Result<T, E>;
 
-/// An error of a library without a remedy of its own.
+/// An error of a library without a hint of its own.
 fn plain(error: impl Error) -> StageError {
     StageError::of(&error, "check the queries with `l4d check-queries`, and the names of files")
 }

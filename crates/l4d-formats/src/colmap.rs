@@ -14,7 +14,7 @@ use self::fields::{Binary, Entry, Fields, Text};
 
 /// No file of a model is larger, bytes.
 const MAX_BYTES: u64 = 4 << 30;
-const REMEDY: &str = "export the model again with COLMAP (`colmap model_converter`)";
+const HINT: &str = "export the model again with COLMAP (`colmap model_converter`)";
 
 /// A sparse model.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -174,7 +174,7 @@ impl Model {
             } else {
                 continue;
             };
-            return Err(DataError::invalid(path, format!("image {}", image.id), problem, REMEDY));
+            return Err(DataError::invalid(path, format!("image {}", image.id), problem, HINT));
         }
         Ok(())
     }

@@ -14,18 +14,18 @@ pub struct Fault {
     /// What is wrong there.
     pub message: String,
     /// What to do about it.
-    pub remedy: &'static str,
+    pub hint: &'static str,
 }
 
 impl Fault {
     /// A fault; text that quotes the file belongs through [`quoted`] first.
-    pub fn new(place: impl Into<String>, message: impl Into<String>, remedy: &'static str) -> Self {
-        Self { place: place.into(), message: message.into(), remedy }
+    pub fn new(place: impl Into<String>, message: impl Into<String>, hint: &'static str) -> Self {
+        Self { place: place.into(), message: message.into(), hint }
     }
 
     /// The same fault as an error about a file.
     pub fn at(self, path: &Path) -> DataError {
-        DataError::invalid(path, self.place, self.message, self.remedy)
+        DataError::invalid(path, self.place, self.message, self.hint)
     }
 }
 

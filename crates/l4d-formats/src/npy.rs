@@ -17,7 +17,7 @@ const MOST_AXES: usize = 32;
 /// Characters of a text: sentences are far shorter.
 const LONGEST_TEXT: usize = 4096;
 /// What to do about a file that is refused.
-const REMEDY: &str =
+const HINT: &str =
     "write the array again, as plain numbers: numpy.save(path, numpy.ascontiguousarray(a, '<f4'))";
 
 /// What an array holds.
@@ -37,7 +37,7 @@ impl<T> Contents<T> {
     pub fn into_numbers(self) -> Result<Tensor<T>, Fault> {
         match self {
             Self::Numbers(numbers) => Ok(numbers),
-            Self::Text(_) => Err(Fault::new("dtype", "is text where numbers belong", REMEDY)),
+            Self::Text(_) => Err(Fault::new("dtype", "is text where numbers belong", HINT)),
         }
     }
 }
@@ -75,8 +75,8 @@ fn header(numbers: &str, shape: &[usize]) -> Vec<u8> {
 pub fn decode<T: Real>(bytes: &[u8]) -> Result<Contents<T>, Fault> {
     let (header, body) = split(bytes)?;
     let Header { kind, fortran_order, shape } = Header::parse(header)?;
-    let fault = |message: String, remedy| Fault::new("header, `shape`", message, remedy);
-    let count = element_count(&shape).ok_or_else(|| fault(format!("{shape:?} is no size"), REMEDY))?;
+    let fault = |message: String, hint| Fault::new("header, `shape`", message, hint);
+    let count = element_count(&shape).ok_or_else(|| fault(format!("{shape:?} is no size"), HINT))?;
     if count.checked_mul(kind.size()) != Some(body.len()) {
         let (size, follow) = (kind.size(), body.len());
         let message = format!("{shape:?} of {size} bytes each does not fit the {follow} bytes that follow");
@@ -88,7 +88,7 @@ pub fn decode<T: Real>(bytes: &[u8]) -> Result<Contents<T>, Fault> {
             let view = View { offset: 0, strides: strides(&shape, fortran_order), shape };
             let data = element.read(body, &view).map_err(|problem| {
                 let Problem::TooLarge(index) = problem else {
-                    return fault("does not fit into memory".to_owned(), REMEDY);
+                    return fault("does not fit into memory".to_owned(), HINT);
                 };
                 let message = "is too large to be held exactly";
                 Fault::new(format!("number {index}"), message, "renumber the ids below 16777216")
@@ -99,7 +99,7 @@ pub fn decode<T: Real>(bytes: &[u8]) -> Result<Contents<T>, Fault> {
 }
 
 fn split(bytes: &[u8]) -> Result<(&[u8], &[u8]), Fault> {
-    let cut = || Fault::new("first bytes", "are not those of a .npy file", REMEDY);
+    let cut = || Fault::new("first bytes", "are not those of a .npy file", HINT);
     let rest = bytes.strip_prefix(MAGIC).ok_or_else(cut)?;
     let (length, rest) = match *rest {
         [1, _, a, b, ref rest @ ..] => (usize::from(u16::from_le_bytes([a, b])), rest),
@@ -107,9 +107,9 @@ fn split(bytes: &[u8]) -> Result<(&[u8], &[u8]), Fault> {
         _ => return Err(cut()),
     };
     if length > LONGEST_HEADER {
-        return Err(Fault::new("header", format!("claims {length} bytes"), REMEDY));
+        return Err(Fault::new("header", format!("claims {length} bytes"), HINT));
     }
-    rest.split_at_checked(length).ok_or_else(|| Fault::new("header", "is cut", REMEDY))
+    rest.split_at_checked(length).ok_or_else(|| Fault::new("header", "is cut", HINT))
 }
 
 fn strides(shape: &[usize], fortran_order: bool) -> Vec<usize> {
@@ -155,7 +155,7 @@ impl Kind {
             _ if descr.starts_with('>') => format!("{} is big-endian", quoted(descr)),
             _ => format!("{} is no type that is read here", quoted(descr)),
         };
-        Err(Fault::new("header, `descr`", message, REMEDY))
+        Err(Fault::new("header, `descr`", message, HINT))
     }
 
     fn size(self) -> usize {
@@ -176,7 +176,7 @@ struct Header {
 impl Header {
     /// Python's dict of exactly three keys; anything else is no header that numpy writes.
     fn parse(bytes: &[u8]) -> Result<Self, Fault> {
-        let fault = |message: &str| Fault::new("header", message, REMEDY);
+        let fault = |message: &str| Fault::new("header", message, HINT);
         let text = std::str::from_utf8(bytes).map_err(|_utf8| fault("is no text"))?;
         let literal = python::literal(text).map_err(|broken| fault(&broken.message))?;
         let Literal::Dict(entries) = literal else { return Err(fault("is no dict")) };
@@ -212,7 +212,7 @@ fn texts(body: &[u8], length: usize) -> Result<Vec<String>, Fault> {
         let (words, _) = bytes.as_chunks::<4>();
         let characters = words.iter().map(|word| u32::from_le_bytes(*word)).take_while(|&code| code != 0);
         let text: Option<String> = characters.map(char::from_u32).collect();
-        text.ok_or_else(|| Fault::new(format!("text {index}"), "is no Unicode", REMEDY))
+        text.ok_or_else(|| Fault::new(format!("text {index}"), "is no Unicode", HINT))
     };
     body.chunks_exact(4 * length).enumerate().map(text).collect()
 }

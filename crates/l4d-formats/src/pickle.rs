@@ -36,8 +36,7 @@ const LONGEST_PICKLE: usize = 1 << 20;
 const OLD_TORCH: &[u8] = b"\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19";
 
 /// What to do about a file that this module refuses.
-const REMEDY: &str =
-    "save the parameters alone, with torch 1.6 or newer: torch.save(model.state_dict(), path)";
+const HINT: &str = "save the parameters alone, with torch 1.6 or newer: torch.save(model.state_dict(), path)";
 
 /// What a file holds. Numbers are `f32`, whatever their type in the file.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,12 +79,12 @@ impl Saved {
     /// Other values, and numbers that are not finite.
     pub fn into_state_dict(self) -> Result<BTreeMap<String, Tensor>, Fault> {
         let Self::Dict(entries) = self else {
-            return Err(Fault::new("top level", "is a tensor, but a state dict is a dict", REMEDY));
+            return Err(Fault::new("top level", "is a tensor, but a state dict is a dict", HINT));
         };
         let finite = |(name, value): (String, Result<Tensor, &str>)| {
             let place = quoted(&name);
             let tensor = value.map_err(|kind| {
-                Fault::new(&place, format!("is {kind}, but a state dict holds tensors"), REMEDY)
+                Fault::new(&place, format!("is {kind}, but a state dict holds tensors"), HINT)
             })?;
             tensor.check_finite(&place)?;
             Ok((name, tensor))
@@ -99,7 +98,7 @@ impl Saved {
     /// A dict, and numbers that are not finite.
     pub fn into_tensor(self) -> Result<Tensor, Fault> {
         let Self::Tensor(tensor) = self else {
-            return Err(Fault::new("top level", "is a dict, but a tensor belongs here", REMEDY));
+            return Err(Fault::new("top level", "is a dict, but a tensor belongs here", HINT));
         };
         tensor.check_finite("tensor")?;
         Ok(tensor)
@@ -153,7 +152,7 @@ impl Contents<'_> {
             [] => "top level".to_owned(),
             path => path.iter().map(ToString::to_string).collect(),
         };
-        let value = self.find(path).ok_or_else(|| Fault::new(&place, "is missing", REMEDY))?;
+        let value = self.find(path).ok_or_else(|| Fault::new(&place, "is missing", HINT))?;
         let Self { nodes, archive, root, .. } = self;
         let numbers_left = self.most_numbers;
         Tensors { nodes, archive, root, numbers_left, sound: BTreeSet::new() }.saved(value, &place)
@@ -202,10 +201,10 @@ impl Contents<'_> {
 /// Another file, and a pickle that needs more than tensors, numbers and what holds them.
 pub fn open(bytes: &[u8]) -> Result<Contents<'_>, Fault> {
     if bytes.starts_with(OLD_TORCH) {
-        return Err(Fault::new("first bytes", "are those of a torch older than 1.6", REMEDY));
+        return Err(Fault::new("first bytes", "are those of a torch older than 1.6", HINT));
     }
     let archive = Archive::open(bytes)?;
-    let refuse = |message: &str| Err(Fault::new("archive", message, REMEDY));
+    let refuse = |message: &str| Err(Fault::new("archive", message, HINT));
     if archive.names().any(|name| name.contains("/code/") || name.ends_with("/constants.pkl")) {
         return refuse("is a TorchScript program, not a dict of tensors");
     }
@@ -222,12 +221,12 @@ pub fn open(bytes: &[u8]) -> Result<Contents<'_>, Fault> {
     if length > LONGEST_PICKLE {
         let message =
             format!("has {length} bytes, but the names and shapes of tensors fit into {LONGEST_PICKLE}");
-        return Err(Fault::new("entry `data.pkl`", message, REMEDY));
+        return Err(Fault::new("entry `data.pkl`", message, HINT));
     }
     let order = format!("{root}byteorder");
     if archive.names().any(|name| name == order) && archive.stored(&order, true)? != b"little" {
-        let remedy = "save the file on a little-endian machine";
-        return Err(Fault::new("entry `byteorder`", "is not `little`", remedy));
+        let hint = "save the file on a little-endian machine";
+        return Err(Fault::new("entry `byteorder`", "is not `little`", hint));
     }
     let (nodes, value) = machine::run(program)?;
     Ok(Contents { nodes, value, archive, root, most_numbers: bytes.len() })
@@ -245,7 +244,7 @@ struct Tensors<'a> {
 
 impl<'a> Tensors<'a> {
     fn saved(&mut self, value: Id, place: &str) -> Result<Saved, Fault> {
-        let top = |message: String| Fault::new(place, message, REMEDY);
+        let top = |message: String| Fault::new(place, message, HINT);
         let pairs = match self.node(value) {
             Node::Dict(pairs) => pairs,
             Node::Tensor(..) => {
@@ -278,14 +277,13 @@ impl<'a> Tensors<'a> {
     fn tensor(&mut self, value: Id) -> Result<Result<Tensor, &'static str>, Fault> {
         let Node::Tensor(storage, view) = self.node(value) else { return Ok(Err(self.node(value).kind())) };
         let Node::Storage(storage) = self.node(*storage) else {
-            return Err(Fault::new("data.pkl", "has a tensor without a storage", REMEDY));
+            return Err(Fault::new("data.pkl", "has a tensor without a storage", HINT));
         };
-        let fault =
-            |message: String| Fault::new(format!("storage {}", quoted(&storage.key)), message, REMEDY);
+        let fault = |message: String| Fault::new(format!("storage {}", quoted(&storage.key)), message, HINT);
         let left = element_count(&view.shape).and_then(|count| self.numbers_left.checked_sub(count));
         self.numbers_left = left.ok_or_else(|| {
             let message = "repeats itself into far more numbers than the file has room for";
-            Fault::new("data.pkl", message, REMEDY)
+            Fault::new("data.pkl", message, HINT)
         })?;
         let name = format!("{}data/{}", self.root, storage.key);
         let is_new = self.sound.insert(&storage.key);

@@ -11,7 +11,7 @@ pub use serde_ply::{ElementDef, PropertyType, ScalarType};
 
 use crate::fault::{Fault, quoted};
 
-const REMEDY: &str =
+const HINT: &str =
     "copy or export the file again: it was cut, or something was appended or converted on the way";
 
 /// Bytes of a header: one of Gaussians takes about 1500.
@@ -35,7 +35,7 @@ impl<R: BufRead + Seek> Ply<R> {
         source.by_ref().take(LONGEST_HEADER).read_to_end(&mut head).map_err(unread)?;
         let end = head.windows(11).position(|window| window == b"\nend_header");
         let end =
-            end.ok_or_else(|| Fault::new("header", "has no line `end_header`: is this a PLY file?", REMEDY))?;
+            end.ok_or_else(|| Fault::new("header", "has no line `end_header`: is this a PLY file?", HINT))?;
         head.extend(b"\n");
         let line_end = head.iter().skip(end + 1).position(|&byte| byte == b'\n').unwrap_or_default();
         let body = (end + line_end + 2) as u64;
@@ -65,14 +65,13 @@ impl<R: BufRead + Seek> Ply<R> {
         mut self,
         element: &str,
         columns: &[String],
-        remedy: &'static str,
+        hint: &'static str,
         each: impl FnMut(usize, &[f32]) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
         let elements = self.elements();
         let place = elements.iter().position(|other| other.name == element);
-        let place =
-            place.ok_or_else(|| Fault::new("header", format!("has no element `{element}`"), remedy))?;
-        let wanted = places(&elements[place], columns, remedy)?;
+        let place = place.ok_or_else(|| Fault::new("header", format!("has no element `{element}`"), hint))?;
+        let wanted = places(&elements[place], columns, hint)?;
         let row = vec![0.0; columns.len()];
         let mut rows = Rows { wanted, row, each, refused: None };
         for _ in 0..place {
@@ -101,7 +100,7 @@ fn check_names(elements: &[ElementDef]) -> Result<(), Fault> {
             std::iter::once(None).chain(names).find(|name| !known.insert((&element.name, *name)))
         {
             let message = format!("repeats {}", quoted(name.unwrap_or(&element.name)));
-            return Err(Fault::new("header", message, REMEDY));
+            return Err(Fault::new("header", message, HINT));
         }
     }
     Ok(())
@@ -125,7 +124,7 @@ fn check_size(elements: &[ElementDef], found: u64, is_ascii: bool) -> Result<(),
     let rows = rows.collect::<Vec<_>>().join(" and ");
     let needed = claimed.map_or("more than any file holds".to_owned(), |claimed| format!("{claimed} {unit}"));
     let message = format!("the header claims {rows}, which need {needed}, but {found} follow it");
-    Err(Fault::new("size", message, REMEDY))
+    Err(Fault::new("size", message, HINT))
 }
 
 /// Words of the rest of a text, whose lines are bounded: each will be read as one.
@@ -141,7 +140,7 @@ fn count_words(source: &mut impl BufRead) -> Result<u64, Fault> {
             is_blank = byte.is_ascii_whitespace();
             line = if *byte == b'\n' { 0 } else { line + 1 };
             if line > LONGEST_LINE {
-                return Err(Fault::new("rows", format!("one is longer than {LONGEST_LINE} bytes"), REMEDY));
+                return Err(Fault::new("rows", format!("one is longer than {LONGEST_LINE} bytes"), HINT));
             }
         }
         let count = bytes.len();
@@ -150,11 +149,11 @@ fn count_words(source: &mut impl BufRead) -> Result<u64, Fault> {
 }
 
 fn unread(error: io::Error) -> Fault {
-    Fault::new("file", format!("cannot be read: {error}"), REMEDY)
+    Fault::new("file", format!("cannot be read: {error}"), HINT)
 }
 
 fn broken(place: &str, error: &DeserializeError) -> Fault {
-    Fault::new(place, quoted(&error.0.to_string()), REMEDY)
+    Fault::new(place, quoted(&error.0.to_string()), HINT)
 }
 
 /// Bytes of one number in a binary body; 0 for lists.
@@ -169,11 +168,7 @@ fn size(kind: &PropertyType) -> u64 {
 }
 
 /// For each property of an element its place among the columns, if it is one.
-fn places(
-    element: &ElementDef,
-    columns: &[String],
-    remedy: &'static str,
-) -> Result<Vec<Option<usize>>, Fault> {
+fn places(element: &ElementDef, columns: &[String], hint: &'static str) -> Result<Vec<Option<usize>>, Fault> {
     for name in columns {
         let message = match element.get_property(name).map(|property| &property.property_type) {
             Some(PropertyType::Scalar(ScalarType::F32 | ScalarType::F64)) => continue,
@@ -182,7 +177,7 @@ fn places(
             }
             _ => "is missing".to_owned(),
         };
-        return Err(Fault::new(format!("header, property `{name}`"), message, remedy));
+        return Err(Fault::new(format!("header, property `{name}`"), message, hint));
     }
     let properties = element.properties.iter();
     Ok(properties.map(|property| columns.iter().position(|name| *name == property.name)).collect())

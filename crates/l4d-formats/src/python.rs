@@ -68,10 +68,10 @@ pub fn literal(text: &str) -> Result<Literal, Fault> {
 /// Brackets within brackets.
 const DEEPEST: usize = 32;
 
-const REMEDY: &str = "give the file that training wrote: `Namespace(...)` with numbers, strings, True, False, None, lists, tuples and dicts";
+const HINT: &str = "give the file that training wrote: `Namespace(...)` with numbers, strings, True, False, None, lists, tuples and dicts";
 
 fn fault(at: usize, message: String) -> Fault {
-    Fault::new(format!("byte {at}"), message, REMEDY)
+    Fault::new(format!("byte {at}"), message, HINT)
 }
 
 /// Names and values of `Namespace(name=literal, ...)`, as Python prints an `argparse.Namespace`.

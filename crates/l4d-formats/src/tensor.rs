@@ -3,8 +3,7 @@
 use crate::fault::Fault;
 
 /// What to do about parameters that are not finite.
-pub const REMEDY_NOT_FINITE: &str =
-    "take an earlier checkpoint: training diverged before this one was written";
+pub const HINT_NOT_FINITE: &str = "take an earlier checkpoint: training diverged before this one was written";
 
 /// A dense block of numbers, the last axis fastest.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -28,7 +27,7 @@ impl Tensor {
     pub fn check_finite(&self, name: &str) -> Result<(), Fault> {
         self.bad_value().map_or(Ok(()), |(index, value)| {
             let message = format!("is {value}, but parameters are finite");
-            Err(Fault::new(format!("{name}, number {index}"), message, REMEDY_NOT_FINITE))
+            Err(Fault::new(format!("{name}, number {index}"), message, HINT_NOT_FINITE))
         })
     }
 }

@@ -30,7 +30,7 @@ pub struct TensorFileKind {
     /// No file is longer, bytes.
     pub longest_file: u64,
     /// What to do about a damaged one.
-    pub remedy: &'static str,
+    pub hint: &'static str,
 }
 
 /// The entry of a card.
@@ -95,7 +95,7 @@ impl TensorFileKind {
     ) -> Result<(), DataError> {
         let card_path = folder.join(self.card);
         let bytes = safetensors::serialize(columns, None).map_err(|error| {
-            Fault::new("tensors", format!("cannot be written: {error}"), self.remedy).at(&card_path)
+            Fault::new("tensors", format!("cannot be written: {error}"), self.hint).at(&card_path)
         })?;
         let sha256 = sha256_hex(&bytes);
         let file = format!("{}-{}.safetensors", self.stem, sha256.get(..16).unwrap_or(&sha256));
@@ -120,7 +120,7 @@ impl TensorFileKind {
         }
         let expected = format!("`{}-<digest>.safetensors`", self.stem);
         let message = format!("is {}, but {expected} belongs there", quoted(&entry.file));
-        Err(Fault::new("field `tensors.file`", message, self.remedy))
+        Err(Fault::new("field `tensors.file`", message, self.hint))
     }
 
     /// The bytes of a file whose entry was checked, and where it is.
@@ -134,7 +134,7 @@ impl TensorFileKind {
         let length = length.map_err(|source| DataError::io(&path, "read", source))?.len();
         if length != entry.bytes || sha256_file(&path)? != entry.sha256 {
             let message = format!("is not the file that {} was written with", self.card);
-            return Err(DataError::invalid(&path, "digest", message, self.remedy));
+            return Err(DataError::invalid(&path, "digest", message, self.hint));
         }
         let bytes = read_bounded(&path, self.longest_file)?;
         Ok((path, bytes))
@@ -148,7 +148,7 @@ impl TensorFileKind {
         self.check_header(bytes)?;
         let tensors = SafeTensors::deserialize(bytes).map_err(|error| {
             let message = format!("is no safetensors header: {error}");
-            Fault::new("header", message, self.remedy)
+            Fault::new("header", message, self.hint)
         })?;
         Ok(Found { kind: *self, untaken: tensors.tensors().into_iter().collect() })
     }
@@ -156,7 +156,7 @@ impl TensorFileKind {
     /// Holds sizes against the file first: the library adds up what a header claims, which can go over the largest
     /// integer.
     fn check_header(&self, bytes: &[u8]) -> Result<(), Fault> {
-        let fault = |message: String| Fault::new("header", message, self.remedy);
+        let fault = |message: String| Fault::new("header", message, self.hint);
         let (length, rest) = bytes.split_first_chunk().ok_or_else(|| fault("is cut".to_owned()))?;
         let length = usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX);
         if length > self.longest_header {
@@ -172,7 +172,7 @@ impl TensorFileKind {
             let end = entry.pointer("/data_offsets/1").and_then(serde_json::Value::as_u64);
             if name != "__metadata__" && end.is_none_or(|end| end > data.len() as u64) {
                 let place = format!("tensor {}", quoted(&name));
-                return Err(Fault::new(place, "does not lie inside the file", self.remedy));
+                return Err(Fault::new(place, "does not lie inside the file", self.hint));
             }
         }
         Ok(())
@@ -275,6 +275,6 @@ impl<'a> Found<'a> {
     }
 
     fn fault(&self, name: &str, message: String) -> Fault {
-        Fault::new(format!("tensor {}", quoted(name)), message, self.kind.remedy)
+        Fault::new(format!("tensor {}", quoted(name)), message, self.kind.hint)
     }
 }

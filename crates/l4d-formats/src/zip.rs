@@ -15,7 +15,7 @@ const MOST_ENTRIES: usize = 1 << 16;
 /// Bytes that a deflated entry may grow to: 97 masks of the full profile take 30 MB.
 const LARGEST_INFLATED: u64 = 256 << 20;
 /// What to do about a damaged archive.
-const REMEDY: &str = "copy or write the file again (numpy.savez, torch.save)";
+const HINT: &str = "copy or write the file again (numpy.savez, torch.save)";
 
 #[derive(Debug, Clone, Copy)]
 struct Entry<'a> {
@@ -33,14 +33,13 @@ pub(crate) struct Archive<'a>(BTreeMap<String, Entry<'a>>);
 impl<'a> Archive<'a> {
     /// Lists the entries: inside the file, none over another, stored or deflated.
     pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
-        let broken =
-            |error: rawzip::Error| Fault::new("archive", format!("is no whole zip: {error}"), REMEDY);
+        let broken = |error: rawzip::Error| Fault::new("archive", format!("is no whole zip: {error}"), HINT);
         let archive = ZipArchive::from_slice(bytes).map_err(broken)?;
         let (mut entries, mut ranges) = (BTreeMap::new(), Vec::new());
         let mut directory = archive.entries();
         while let Some(record) = directory.next_entry().map_err(broken)? {
             let name = String::from_utf8_lossy(record.file_path().as_bytes()).into_owned();
-            let fault = |message: &str| Fault::new(format!("entry {}", quoted(&name)), message, REMEDY);
+            let fault = |message: &str| Fault::new(format!("entry {}", quoted(&name)), message, HINT);
             if leaves_its_folder(&name) {
                 return Err(fault("has a name that leaves its folder or is no text"));
             }
@@ -60,7 +59,7 @@ impl<'a> Archive<'a> {
             let data = bytes.get(start as usize..end as usize).ok_or_else(outside)?;
             ranges.push((start, end));
             if entries.len() == MOST_ENTRIES {
-                return Err(Fault::new("archive", format!("has more than {MOST_ENTRIES} entries"), REMEDY));
+                return Err(Fault::new("archive", format!("has more than {MOST_ENTRIES} entries"), HINT));
             }
             let entry = Entry { bytes: data, is_deflated, length, crc: record.crc32() };
             if entries.insert(name.clone(), entry).is_some() {
@@ -69,11 +68,11 @@ impl<'a> Archive<'a> {
         }
         if entries.len() as u64 != archive.entries_hint() {
             let message = format!("has {} entries, but claims {}", entries.len(), archive.entries_hint());
-            return Err(Fault::new("archive", message, REMEDY));
+            return Err(Fault::new("archive", message, HINT));
         }
         ranges.sort_unstable();
         if ranges.windows(2).any(|pair| pair[0].1 > pair[1].0) {
-            return Err(Fault::new("archive", "has entries that overlap", REMEDY));
+            return Err(Fault::new("archive", "has entries that overlap", HINT));
         }
         Ok(Self(entries))
     }
@@ -86,7 +85,7 @@ impl<'a> Archive<'a> {
     /// The bytes of an entry, inflated, their checksum checked.
     pub(crate) fn read(&self, name: &str) -> Result<Cow<'a, [u8]>, Fault> {
         let entry = self.entry(name)?;
-        let fault = |message: &str| Fault::new(format!("entry {}", quoted(name)), message, REMEDY);
+        let fault = |message: &str| Fault::new(format!("entry {}", quoted(name)), message, HINT);
         let bytes = match entry.is_deflated {
             true => Cow::Owned(inflate(&entry).map_err(fault)?),
             false => Cow::Borrowed(entry.bytes),
@@ -102,7 +101,7 @@ impl<'a> Archive<'a> {
         let entry = self.entry(name)?;
         if entry.is_deflated {
             let place = format!("entry {}", quoted(name));
-            return Err(Fault::new(place, "is compressed, but torch stores as it is", REMEDY));
+            return Err(Fault::new(place, "is compressed, but torch stores as it is", HINT));
         }
         if is_new {
             self.read(name)?;
@@ -111,7 +110,7 @@ impl<'a> Archive<'a> {
     }
 
     fn entry(&self, name: &str) -> Result<Entry<'a>, Fault> {
-        let missing = || Fault::new(format!("entry {}", quoted(name)), "is missing from the archive", REMEDY);
+        let missing = || Fault::new(format!("entry {}", quoted(name)), "is missing from the archive", HINT);
         self.0.get(name).copied().ok_or_else(missing)
     }
 }

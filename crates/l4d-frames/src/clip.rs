@@ -56,8 +56,8 @@ impl<'a> Clip<'a> {
         let seen = read_frame(&path, size)?;
         if seen.rgb.iter().flatten().all(|light| light.to_f32() == 0.0) {
             let message = "is black: only depth and ids were rendered";
-            let remedy = "run `l4d build-scenes --overwrite` with --samples above 0";
-            let error = DataError::invalid(&path, "channels R, G, B", message, remedy);
+            let hint = "run `l4d build-scenes --overwrite` with --samples above 0";
+            let error = DataError::invalid(&path, "channels R, G, B", message, hint);
             return Err(FrameError::new(FrameError::VALUES, error));
         }
         let picture = annotated(&self.display.picture(&seen), &seen.surfaces.id, self.factor, &self.marks);

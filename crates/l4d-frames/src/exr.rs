@@ -77,8 +77,8 @@ impl FrameError {
     }
 
     fn torn(path: &Path, layout: &Layout, message: impl ToString) -> Self {
-        let remedy = format!("delete the file and run `l4d {}` again", layout.verb);
-        Self::new(Self::TORN, DataError::invalid(path, "EXR", message.to_string(), remedy))
+        let hint = format!("delete the file and run `l4d {}` again", layout.verb);
+        Self::new(Self::TORN, DataError::invalid(path, "EXR", message.to_string(), hint))
     }
 
     /// Stable code of the finding (`docs/findings.md`).
@@ -299,9 +299,8 @@ fn check_headers(
     let expected: Vec<String> =
         layout.channels.iter().map(|(name, kind)| format!("{name} {}", type_name(*kind))).collect();
     let refuse = |place: &str, message: String| {
-        let remedy =
-            format!("write one part of scan lines with ZIP and the channels {}", expected.join(", "));
-        Err(FrameError::new(FrameError::LAYOUT, DataError::invalid(path, place, message, remedy)))
+        let hint = format!("write one part of scan lines with ZIP and the channels {}", expected.join(", "));
+        Err(FrameError::new(FrameError::LAYOUT, DataError::invalid(path, place, message, hint)))
     };
     let [header] = headers else {
         return refuse("header", format!("has {} parts, but must have one", headers.len()));
@@ -332,8 +331,8 @@ fn check_headers(
     if found_size != Vec2(size.x as usize, size.y as usize) {
         let message =
             format!("is {}x{} pixels, but {}x{} are expected", found_size.0, found_size.1, size.x, size.y);
-        let remedy = "choose the profile that the scene was built with, or build the scene again";
-        let error = DataError::invalid(path, "attribute `dataWindow`", message, remedy);
+        let hint = "choose the profile that the scene was built with, or build the scene again";
+        let error = DataError::invalid(path, "attribute `dataWindow`", message, hint);
         return Err(FrameError::new(FrameError::SIZE, error));
     }
     let display = header.shared_attributes.display_window;
@@ -346,8 +345,8 @@ fn check_headers(
 
 fn check_values(path: &Path, surfaces: &Surfaces, colour: &[Vec<f16>; 3]) -> Result<(), FrameError> {
     let fail = |place: String, message: String| {
-        let remedy = "render the frame again with `l4d build-scenes`";
-        Err(FrameError::new(FrameError::VALUES, DataError::invalid(path, place, message, remedy)))
+        let hint = "render the frame again with `l4d build-scenes`";
+        Err(FrameError::new(FrameError::VALUES, DataError::invalid(path, place, message, hint)))
     };
     if let Some((place, message)) = surfaces.value_problem() {
         return fail(place, message);

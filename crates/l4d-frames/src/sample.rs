@@ -32,7 +32,7 @@ pub const DEPTH_REST: &str = "depth_rest.png";
 /// Instance ids.
 pub const IDS: &str = "ids.png";
 
-const REMEDY: &str = "fetch the file again, or read it with the l4d that made the release";
+const HINT: &str = "fetch the file again, or read it with the l4d that made the release";
 
 /// Where and when a picture was taken: `<key>.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -138,7 +138,7 @@ pub fn card(path: &Path, bytes: &[u8]) -> Result<SampleCard, DataError> {
     let card: SampleCard = json::parse(path, None, bytes)?;
     if card.schema != SCHEMA {
         let message = format!("is `{}`, but this l4d reads `{SCHEMA}`", card.schema);
-        return Err(DataError::invalid(path, "field `schema`", message, REMEDY));
+        return Err(DataError::invalid(path, "field `schema`", message, HINT));
     }
     Ok(card)
 }
@@ -156,10 +156,10 @@ pub fn frame_of<'a>(
     let (width, height) = (card.width, card.height);
     let wanted = |suffix: &str| {
         let message = format!("has no .{suffix}");
-        member(suffix).ok_or_else(|| DataError::invalid(path, "sample", message, REMEDY))
+        member(suffix).ok_or_else(|| DataError::invalid(path, "sample", message, HINT))
     };
     let broken = |suffix: &str, error: PhotoError| {
-        DataError::invalid(path, format!(".{suffix}"), error.to_string(), REMEDY)
+        DataError::invalid(path, format!(".{suffix}"), error.to_string(), HINT)
     };
     let colour = decode_colour(wanted(COLOUR)?, width, height).map_err(|error| broken(COLOUR, error))?;
     let depth_m = depth(wanted(DEPTH)?, Some(wanted(DEPTH_REST)?), [width, height], card.depth_scale_m)

@@ -54,13 +54,13 @@ impl Files {
     fn answer(&self, clip: &ViewClip, question: &Question) -> Result<Grounding, DataError> {
         if question.scene != self.scene {
             let message = format!("holds masks of {}, not of {}", self.scene, question.scene);
-            let remedy = "open the folder of that scene";
-            return Err(DataError::invalid(&self.folder, "folder", message, remedy));
+            let hint = "open the folder of that scene";
+            return Err(DataError::invalid(&self.folder, "folder", message, hint));
         }
         let Some(number) = &question.number else {
             let message = "masks are stored under the numbers of queries, and this sentence has none";
-            let remedy = "ask a query of the benchmark, or another grounder";
-            return Err(DataError::invalid(&self.folder, "folder", message, remedy));
+            let hint = "ask a query of the benchmark, or another grounder";
+            return Err(DataError::invalid(&self.folder, "folder", message, hint));
         };
         let view = clip.camera.name.as_str();
         let folder = self.folder.join(number.as_str()).join(view);
@@ -74,8 +74,8 @@ impl Files {
             }
             (false, false) => {
                 let message = format!("is not there, and neither is the folder {view} of PNG masks");
-                let remedy = "write either, or check the folder that holds the scenes";
-                return Err(DataError::invalid(&file, "file", message, remedy));
+                let hint = "write either, or check the folder that holds the scenes";
+                return Err(DataError::invalid(&file, "file", message, hint));
             }
         };
         Ok(Grounding::of_masks(clip, masks, vec![format!("from {}", from.display())]))
@@ -99,8 +99,8 @@ fn read_json(path: &Path, clip: &ViewClip, question: &Question) -> Result<BTreeM
     let [height, width] = file.size;
     if (width, height) != (clip.width, clip.height) {
         let message = format!("says {width}x{height}, but the clip is {}x{}", clip.width, clip.height);
-        let remedy = "write [height, width], and masks of the size of the clip";
-        return Err(DataError::invalid(path, "field `size`", message, remedy));
+        let hint = "write [height, width], and masks of the size of the clip";
+        return Err(DataError::invalid(path, "field `size`", message, hint));
     }
     let mut masks = BTreeMap::new();
     for frame in question.frames(clip) {
@@ -108,8 +108,8 @@ fn read_json(path: &Path, clip: &ViewClip, question: &Question) -> Result<BTreeM
         let place = format!("frame `{key}`");
         let mask = match file.frames.get(&key) {
             None => {
-                let remedy = "write null where nothing is to be seen";
-                return Err(DataError::invalid(path, place, "is missing", remedy));
+                let hint = "write null where nothing is to be seen";
+                return Err(DataError::invalid(path, place, "is missing", hint));
             }
             Some(None) => Mask::empty(width, height),
             Some(Some(mask)) => Mask::from_rle(mask, width, height),
@@ -125,16 +125,16 @@ fn read_pngs(folder: &Path, clip: &ViewClip, question: &Question) -> Result<BTre
     for frame in question.frames(clip) {
         let path = folder.join(format!("{}.png", frame_key(frame)));
         if !path.is_file() {
-            let remedy = "write a picture of 0 where nothing is to be seen";
-            return Err(DataError::invalid(&path, "file", "is missing", remedy));
+            let hint = "write a picture of 0 where nothing is to be seen";
+            return Err(DataError::invalid(&path, "file", "is missing", hint));
         }
         let bytes = read_bounded(&path, MAX_PNG_BYTES)?;
         let mask = png::decode(&bytes, clip.width, clip.height).map_err(|error| {
-            let remedy = match error {
+            let hint = match error {
                 png::PngError::Size { .. } => "write masks of the size of the clip",
-                _ => error.remedy(),
+                _ => error.hint(),
             };
-            DataError::invalid(&path, "picture", error.to_string(), remedy)
+            DataError::invalid(&path, "picture", error.to_string(), hint)
         })?;
         masks.insert(frame, mask);
     }

@@ -105,8 +105,8 @@ impl GrounderFile {
         python_of: impl FnOnce(&Path) -> Result<PathBuf, E>,
     ) -> Result<Launch, E> {
         let entry = &self.segmenter;
-        let wrong = |field: &str, message: String, remedy: &str| -> E {
-            DataError::invalid(path, format!("field `segmenter.{field}`"), message, remedy).into()
+        let wrong = |field: &str, message: String, hint: &str| -> E {
+            DataError::invalid(path, format!("field `segmenter.{field}`"), message, hint).into()
         };
         let worker = match (&entry.worker, &entry.program) {
             (Some(worker), None) => worker,
@@ -141,9 +141,9 @@ impl GrounderFile {
         let package = entry.package.as_deref().unwrap_or(ours);
         if !package.join("l4d_workers").is_dir() {
             let message = format!("the package of the workers is not there: {}", package.display());
-            let remedy =
+            let hint =
                 "run l4d in the project's root folder, or name the folder with `package` below [segmenter]";
-            return Err(wrong("package", message, remedy));
+            return Err(wrong("package", message, hint));
         }
         let package =
             std::path::absolute(package).map_err(|source| DataError::io(package, "resolve", source))?;

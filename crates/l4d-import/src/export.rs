@@ -221,6 +221,6 @@ fn off_centre(views: &SceneViews, camera: &Camera) -> DataError {
 
 /// A layout that cannot hold a scene.
 fn limit(views: &SceneViews, field: &str, message: impl Into<String>) -> DataError {
-    let remedy = "use `--format 4dgaussians` or `--format colmap`, which hold any camera";
-    views.wrong(&format!("field `{field}`"), message.into(), remedy)
+    let hint = "use `--format 4dgaussians` or `--format colmap`, which hold any camera";
+    views.wrong(&format!("field `{field}`"), message.into(), hint)
 }

@@ -55,7 +55,7 @@ pub enum PngError {
 
 impl PngError {
     /// What to do about it.
-    pub fn remedy(&self) -> &'static str {
+    pub fn hint(&self) -> &'static str {
         match self {
             Self::NotPng | Self::Damaged(_) => "write the file again",
             Self::Size { .. } => "render masks at the size of the profile, or let `l4d score --resize` do it",
@@ -338,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn other_kinds_are_refused_with_a_remedy() {
+    fn other_kinds_are_refused_with_a_hint() {
         let cases = [
             (ColorType::Indexed, BitDepth::One, vec![0x80], "1-bit with a palette"),
             (ColorType::Indexed, BitDepth::Eight, vec![0, 1], "8-bit with a palette"),
@@ -351,7 +351,7 @@ mod tests {
         for (colour, depth, pixels, name) in cases {
             let error = decode(&write(2, 1, colour, depth, &pixels), 2, 1).unwrap_err();
             assert!(error.to_string().contains(name), "{error}");
-            assert!(error.remedy().contains("Pillow"));
+            assert!(error.hint().contains("Pillow"));
         }
     }
 

@@ -126,7 +126,7 @@ fn colours_that_are_no_numbers_count_as_black() {
 }
 
 #[test]
-fn damaged_weights_are_refused_with_a_remedy() {
+fn damaged_weights_are_refused_with_a_hint() {
     let refused = |weights: Vec<u8>, json: &str| Network::load(weights, json).err().unwrap().to_string();
     let whole = weights();
     assert!(refused(whole[..whole.len() / 2].to_vec(), &description()).contains("damaged"));

@@ -243,9 +243,9 @@ pub(crate) fn write_unless_other(files: &[(PathBuf, String)], force: bool) -> Re
         let standing = read_bounded(path, l4d_data::json::MAX_BYTES)?;
         if !standing.is_empty() && standing != text.as_bytes() {
             let message = "holds something else: of another model, of another run, or edited by hand";
-            let remedy =
+            let hint =
                 "choose another --out, or replace it with --force; the new answer is kept in the cache";
-            return Err(DataError::invalid(path, "file", message, remedy));
+            return Err(DataError::invalid(path, "file", message, hint));
         }
     }
     files.iter().try_for_each(|(path, text)| write_atomic(path, text.as_bytes()))

@@ -152,8 +152,8 @@ impl QueryProposer<'_> {
         (!same).then(|| {
             let (profile, tracks) = (self.profile, set.paths[0].display());
             let message = format!("is not the rendering (profile {profile}) of what {tracks} describes");
-            let remedy = "choose another --data, --profile or --bench, or run `l4d build-scenes` again";
-            DataError::invalid(&dir.scene(), "scene", message, remedy)
+            let hint = "choose another --data, --profile or --bench, or run `l4d build-scenes` again";
+            DataError::invalid(&dir.scene(), "scene", message, hint)
         })
     }
 

@@ -47,8 +47,8 @@ pub(crate) fn bools<'py>(
             Ok(dtype) => format!("is an array of {dtype}"),
             Err(_) => format!("is a {}", value.get_type()),
         };
-        let remedy = "give a numpy array of bool, for example `scores > 0.5`";
-        return Err(Failure::argument(field, format!("{found}, but a mask is an array of bool"), remedy));
+        let hint = "give a numpy array of bool, for example `scores > 0.5`";
+        return Err(Failure::argument(field, format!("{found}, but a mask is an array of bool"), hint));
     };
     check_shape(field, array.as_array().shape(), shape)?;
     Ok(array)
@@ -67,8 +67,8 @@ pub(crate) fn check_shape(field: &str, found: &[usize], expected: &[usize]) -> R
 pub(crate) fn rle_encode(mask: &Bound<'_, PyAny>) -> Result<String> {
     let shape = mask.getattr("shape").and_then(|shape| shape.extract::<[usize; 2]>());
     let [rows, columns] = shape.ok().ok_or_else(|| {
-        let remedy = "give one mask as a numpy array of bool, (height, width)";
-        Failure::argument("mask", "is no array of two axes", remedy)
+        let hint = "give one mask as a numpy array of bool, (height, width)";
+        Failure::argument("mask", "is no array of two axes", hint)
     })?;
     let size = [side(columns)?, side(rows)?];
     Ok(mask_from("mask", mask, size)?.to_rle().counts())
@@ -84,8 +84,8 @@ pub(crate) fn rle_decode<'py>(
 ) -> Result<Array<'py, bool, 2>> {
     let size = [side(width)?, side(height)?];
     let mask = Mask::decode(counts, size[0], size[1]).map_err(|error| {
-        let remedy = "give the `counts` of pycocotools' mask.encode as str, and the size of the mask";
-        Failure::argument("counts", error.to_string(), remedy)
+        let hint = "give the `counts` of pycocotools' mask.encode as str, and the size of the mask";
+        Failure::argument("counts", error.to_string(), hint)
     })?;
     array(py, mask.to_bools(), shape_of(size))
 }

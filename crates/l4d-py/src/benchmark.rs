@@ -171,8 +171,8 @@ impl Benchmark {
         if self.profile.is_rendered() {
             return Ok(self.profile);
         }
-        let remedy = "ask about a scene: `Benchmark.size(scene)`, `Benchmark.clip(scene)`";
-        Err(Failure::argument("profile", "captures differ in size and frames", remedy))
+        let hint = "ask about a scene: `Benchmark.size(scene)`, `Benchmark.clip(scene)`";
+        Err(Failure::argument("profile", "captures differ in size and frames", hint))
     }
 
     pub(crate) fn scene_named(&self, scene: &str) -> Result<&Name> {

@@ -231,8 +231,8 @@ impl Camera {
         let points = points_world.as_array();
         let [count, 3] = points.shape() else {
             let message = format!("has the shape {:?}", points.shape());
-            let remedy = "give points as (N, 3): reshape(-1, 3)";
-            return Err(Failure::argument("points_world", message, remedy));
+            let hint = "give points as (N, 3): reshape(-1, 3)";
+            return Err(Failure::argument("points_world", message, hint));
         };
         let count = *count;
         let numbers: Vec<f64> = points.iter().copied().collect();
@@ -248,8 +248,8 @@ impl Camera {
     /// The same camera for pictures of another size, pixels.
     fn resized(&self, width: u32, height: u32) -> Result<Self> {
         if [width, height, self.size[0], self.size[1]].contains(&0) {
-            let remedy = "give a width and height above 0";
-            return Err(Failure::argument("size", "a picture has no pixels", remedy));
+            let hint = "give a width and height above 0";
+            return Err(Failure::argument("size", "a picture has no pixels", hint));
         }
         Ok(Self { camera: self.camera.resized(self.size, [width, height]), size: [width, height] })
     }
@@ -268,8 +268,8 @@ fn poses(numbers: &Numbers<'_>) -> Result<Vec<[f64; 16]>> {
     let array = numbers.as_array();
     if !matches!(array.shape(), [4, 4] | [_, 4, 4]) {
         let message = format!("has the shape {:?}", array.shape());
-        let remedy = "give one pose, (4, 4), or one for each frame from 0 on, (97, 4, 4)";
-        return Err(Failure::argument("world_from_camera", message, remedy));
+        let hint = "give one pose, (4, 4), or one for each frame from 0 on, (97, 4, 4)";
+        return Err(Failure::argument("world_from_camera", message, hint));
     }
     let numbers: Vec<f64> = array.iter().copied().collect();
     Ok(numbers.as_chunks::<16>().0.to_vec())

@@ -24,7 +24,7 @@ use crate::splats::{PictureClip, Values};
 const SCHEMA: &str = "l4d/clips/1";
 /// No file of a picture is larger, bytes.
 const MAX_BYTES: u64 = 1 << 30;
-const REMEDY: &str = "delete the file and run `l4d render-splats` again";
+const HINT: &str = "delete the file and run `l4d render-splats` again";
 
 #[derive(Deserialize)]
 struct Manifest {
@@ -147,7 +147,7 @@ impl Clips {
     fn picture(&self, view: &str, frame: u32) -> Result<Values> {
         let (width, height) = (self.width(), self.height());
         let stem = self.root.join(view).join(frame_key(frame));
-        let damaged = |path: &Path, message: String| DataError::invalid(path, "picture", message, REMEDY);
+        let damaged = |path: &Path, message: String| DataError::invalid(path, "picture", message, HINT);
         let path = stem.with_extension("png");
         let colour = decode_colour(&read_bounded(&path, MAX_BYTES)?, width, height)
             .map_err(|error| damaged(&path, error.to_string()))?;

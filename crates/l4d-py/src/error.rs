@@ -1,4 +1,4 @@
-//! From errors of the project to the one exception of the package, `l4d.L4dError`: message, path, field, remedy.
+//! From errors of the project to the one exception of the package, `l4d.L4dError`: message, path, field, hint.
 
 use std::error::Error;
 use std::fmt::Display;
@@ -28,20 +28,20 @@ pub(crate) struct Details {
     message: String,
     path: Option<PathBuf>,
     field: Option<String>,
-    remedy: Option<String>,
+    hint: Option<String>,
 }
 
 impl Failure {
     /// A value that the caller gave and that cannot be.
-    pub(crate) fn argument(field: &str, message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        let (field, remedy) = (Some(field.to_owned()), Some(remedy.into()));
-        Details { message: message.into(), path: None, field, remedy }.into()
+    pub(crate) fn argument(field: &str, message: impl Into<String>, hint: impl Into<String>) -> Self {
+        let (field, hint) = (Some(field.to_owned()), Some(hint.into()));
+        Details { message: message.into(), path: None, field, hint }.into()
     }
 
     /// Something about a file.
-    pub(crate) fn file(path: &Path, message: &str, remedy: &str) -> Self {
-        let (path, remedy) = (Some(path.to_owned()), Some(remedy.to_owned()));
-        Details { message: message.to_owned(), path, field: None, remedy }.into()
+    pub(crate) fn file(path: &Path, message: &str, hint: &str) -> Self {
+        let (path, hint) = (Some(path.to_owned()), Some(hint.to_owned()));
+        Details { message: message.to_owned(), path, field: None, hint }.into()
     }
 
     /// An error whose message says everything, causes included.
@@ -60,7 +60,7 @@ impl From<Details> for Failure {
 
 impl From<DataError> for Failure {
     fn from(error: DataError) -> Self {
-        let remedy = Some(error.hint().to_owned());
+        let hint = Some(error.hint().to_owned());
         let path = Some(error.path().to_owned());
         let (field, message) = match error {
             DataError::Io { action, source, .. } => (None, format!("cannot {action}: {source}")),
@@ -68,7 +68,7 @@ impl From<DataError> for Failure {
                 (Some(location), message)
             }
         };
-        Details { message, path, field, remedy }.into()
+        Details { message, path, field, hint }.into()
     }
 }
 
@@ -88,8 +88,8 @@ impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
         match failure {
             Failure::Details(details) => {
-                let Details { message, path, field, remedy } = *details;
-                L4dError::new_err((message, path.map(|path| path.display().to_string()), field, remedy))
+                let Details { message, path, field, hint } = *details;
+                L4dError::new_err((message, path.map(|path| path.display().to_string()), field, hint))
             }
             Failure::Python(error) => error,
         }

@@ -206,8 +206,8 @@ fn masks_by_frame(masks: &Bound<'_, PyDict>, asked: &Asked) -> Result<Vec<(u32, 
             None if asked.unannotated.binary_search(&frame).is_ok() => {}
             None => {
                 let message = format!("has no answer for frame {frame}");
-                let remedy = "answer every frame; None says that nothing is to be seen";
-                return Err(Failure::argument("masks", message, remedy));
+                let hint = "answer every frame; None says that nothing is to be seen";
+                return Err(Failure::argument("masks", message, hint));
             }
             Some(value) if value.is_none() => answers.push((frame, None)),
             Some(value) => {

@@ -61,8 +61,8 @@ impl Scene {
     fn new(py: Python<'_>, path: PathBuf) -> Result<Self> {
         let (Some(parent), Some(folder)) = (path.parent(), path.file_name().and_then(|name| name.to_str()))
         else {
-            let remedy = "give the folder of a scene, data/<profile>/<scene>";
-            return Err(Failure::file(&path, "has no name", remedy));
+            let hint = "give the folder of a scene, data/<profile>/<scene>";
+            return Err(Failure::file(&path, "has no name", hint));
         };
         let dir = SceneDir::new(parent, folder);
         let scene = py.detach(|| data::Scene::read(&dir.scene()))?;

@@ -99,8 +99,8 @@ impl Splats {
             }
             _ => {
                 let message = "frame and time: exactly one is needed";
-                let remedy = "give a canonical frame, or a time from 0 to 1";
-                return Err(Failure::argument("frame", message, remedy));
+                let hint = "give a canonical frame, or a time from 0 to 1";
+                return Err(Failure::argument("frame", message, hint));
             }
         };
         let depth = Depth::parse(depth)?;
@@ -137,8 +137,8 @@ impl Splats {
     fn instant(&self, frame: u32) -> Result<(u32, f32)> {
         if self.source.moments == Some(Moments::Unknown) {
             let message = "is given, but nothing says at which times this model saw frames";
-            let remedy = "put the l4d-export.json of its data beside cfg_args, or give a time of its own";
-            return Err(Failure::argument("frame", message, remedy));
+            let hint = "put the l4d-export.json of its data beside cfg_args, or give a time of its own";
+            return Err(Failure::argument("frame", message, hint));
         }
         Ok((check_frame(frame)?, time_of_frame(frame)))
     }

@@ -28,11 +28,11 @@ impl Timeline {
     /// Refuses captures, which have timelines of their own.
     pub(crate) fn of(profile: Profile) -> Result<Self> {
         if !profile.is_rendered() {
-            let remedy = "ask the benchmark for the frames of a scene: `Benchmark.clip`";
+            let hint = "ask the benchmark for the frames of a scene: `Benchmark.clip`";
             return Err(Failure::argument(
                 "profile",
                 "captures have a timeline each, not that of a profile",
-                remedy,
+                hint,
             ));
         }
         let (profile, frames, stride) = (profile.as_str(), profile.frames().collect(), profile.stride());
@@ -63,8 +63,8 @@ impl Timeline {
 }
 
 pub(crate) fn parse_profile(text: &str) -> Result<Profile> {
-    let remedy = "choose among tiny, small, full, or real for captures";
-    text.parse().map_err(|message: String| Failure::argument("profile", message, remedy))
+    let hint = "choose among tiny, small, full, or real for captures";
+    text.parse().map_err(|message: String| Failure::argument("profile", message, hint))
 }
 
 /// Refuses a frame outside the canonical clip.

@@ -44,7 +44,7 @@ def test_captures_are_asked_about_scene_by_scene(desks: l4d.Benchmark) -> None:
     for common in ("frames", "width", "height", "timeline"):
         with pytest.raises(l4d.L4dError) as told:
             getattr(desks, common)
-        assert told.value.field == "profile" and "clip" in told.value.remedy
+        assert told.value.field == "profile" and "clip" in told.value.hint
 
 
 def test_results_of_captures_are_written_and_scored(desks: l4d.Benchmark, tmp_path: Path) -> None:
@@ -73,11 +73,11 @@ def test_errors_say_where_and_what_to_do(capture: l4d.Capture, world: Path, tmp_
     ):
         with pytest.raises(l4d.L4dError) as told:
             call()
-        assert told.value.field in ("frame", "view") and told.value.remedy
+        assert told.value.field in ("frame", "view") and told.value.hint
     document = (world / "data/captures/desk/capture.json").read_text()
     for what, to in {'"width": 6': '"width": 600000', '"fx": 5.0': '"fx": 0.0', '"l4d/capture/1"': '"l4d/capture/9"'}.items():
         assert what in document
         (tmp_path / "capture.json").write_text(document.replace(what, to))
         with pytest.raises(l4d.L4dError) as told:
             l4d.Capture(tmp_path)
-        assert told.value.path.endswith("capture.json") and told.value.remedy
+        assert told.value.path.endswith("capture.json") and told.value.hint

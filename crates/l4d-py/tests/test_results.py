@@ -71,7 +71,7 @@ def test_truth_is_that_of_the_pictures(benchmark: l4d.Benchmark, scene: l4d.Scen
     ):
         with pytest.raises(l4d.L4dError) as told:
             call()
-        assert told.value.field and told.value.remedy
+        assert told.value.field and told.value.hint
 
 
 def test_scores_are_those_of_the_verb_to_the_last_bit(benchmark: l4d.Benchmark, world: Path, tmp_path: Path) -> None:
@@ -138,7 +138,7 @@ def test_a_folder_of_another_run_is_refused(benchmark: l4d.Benchmark, tmp_path: 
     l4d.ResultsWriter(tmp_path / "mine", benchmark, version="1").write(QUERIES[0], nothing)
     with pytest.raises(l4d.L4dError) as told:
         l4d.ResultsWriter(tmp_path / "mine", benchmark, version="2")
-    assert told.value.field == "field `version`" and "overwrite=True" in told.value.remedy
+    assert told.value.field == "field `version`" and "overwrite=True" in told.value.hint
     fresh = l4d.ResultsWriter(tmp_path / "mine", benchmark, version="2", overwrite=True)
     assert [query.id for query in fresh.remaining()] == QUERIES
     fresh.write(QUERIES[0], nothing)
@@ -174,7 +174,7 @@ def test_what_is_no_answer_is_refused(benchmark: l4d.Benchmark, tmp_path: Path, 
     writer = l4d.ResultsWriter(tmp_path / "mine", benchmark, version="1")
     with pytest.raises(l4d.L4dError) as told:
         writer.write(QUERIES[0], masks)
-    assert told.value.field.startswith("masks") and told.value.remedy
+    assert told.value.field.startswith("masks") and told.value.hint
     assert not (tmp_path / "mine/masks").exists()
 
 
@@ -200,7 +200,7 @@ def test_arguments_that_cannot_be_are_named(benchmark: l4d.Benchmark, world: Pat
     }.items():
         with pytest.raises(l4d.L4dError) as told:
             call()
-        assert told.value.field == field and told.value.remedy
+        assert told.value.field == field and told.value.hint
 
 
 def test_a_method_may_leave_frames_out_and_say_so(benchmark: l4d.Benchmark, world: Path, tmp_path: Path) -> None:

@@ -112,7 +112,7 @@ def test_timelines() -> None:
 def test_errors_say_where_and_what_to_do(scene: l4d.Scene, world: Path, tmp_path: Path) -> None:
     with pytest.raises(l4d.L4dError) as told:
         scene.frame("cam09", 0)
-    assert (told.value.path, told.value.field) == (None, "view") and "cam00" in told.value.remedy
+    assert (told.value.path, told.value.field) == (None, "view") and "cam00" in told.value.hint
     for frame in (1, 97):
         with pytest.raises(l4d.L4dError) as told:
             scene.frame("cam00", frame)
@@ -120,7 +120,7 @@ def test_errors_say_where_and_what_to_do(scene: l4d.Scene, world: Path, tmp_path
     with pytest.raises(l4d.L4dError) as told:
         l4d.Scene(tmp_path / "nowhere")
     assert told.value.path.endswith("scene.json") and told.value.message.startswith("cannot open")
-    assert "hint: " in str(told.value) and told.value.remedy
+    assert "hint: " in str(told.value) and told.value.hint
 
     torn = tmp_path / "ball"
     (torn / "frames/cam00").mkdir(parents=True)
@@ -131,10 +131,10 @@ def test_errors_say_where_and_what_to_do(scene: l4d.Scene, world: Path, tmp_path
         with pytest.raises(l4d.L4dError) as told:
             read()
         assert told.value.path.endswith("0000.exr") and told.value.field == "EXR"
-        assert "build-scenes" in told.value.remedy
+        assert "build-scenes" in told.value.hint
 
     again = pickle.loads(pickle.dumps(told.value))
-    assert (again.path, again.remedy, str(again)) == (told.value.path, told.value.remedy, str(told.value))
+    assert (again.path, again.hint, str(again)) == (told.value.path, told.value.hint, str(told.value))
     for hostile in ("../../etc", "a/b", "\x1b[2J", ""):
         with pytest.raises(l4d.L4dError):
             scene.frame(hostile, 0)

@@ -70,7 +70,7 @@ def test_errors_say_where_and_what_to_do(splats: l4d.Splats, scene: l4d.Scene, w
     for arguments in ({}, {"frame": 0, "time": 0.0}, {"frame": 97}, {"frame": 0, "depth": "deep"}):
         with pytest.raises(l4d.L4dError) as told:
             splats.render(camera, **arguments)
-        assert told.value.field and told.value.remedy
+        assert told.value.field and told.value.hint
     with pytest.raises(l4d.L4dError, match="time 1.5"):
         splats.render(camera, time=1.5)
     for size in ((0, 4), (1 << 20, 1 << 20)):
@@ -78,7 +78,7 @@ def test_errors_say_where_and_what_to_do(splats: l4d.Splats, scene: l4d.Scene, w
             splats.render(camera, frame=0, size=size)
     with pytest.raises(l4d.L4dError) as told:
         l4d.Splats(tmp_path)
-    assert told.value.path == str(tmp_path) and "train-splats" in told.value.remedy
+    assert told.value.path == str(tmp_path) and "train-splats" in told.value.hint
     with pytest.raises(l4d.L4dError) as told:
         l4d.Clips(world / "work/tiny/ball/clips").read("cam01", [1])
     assert told.value.field == "frames"

@@ -70,8 +70,8 @@ impl Archive {
 
 /// The refusal of a file that changed since it was listed.
 pub(crate) fn changed(path: &Path) -> DataError {
-    let remedy = "nothing may change while a release is made: run `l4d check-scenes`, then run it again";
-    DataError::invalid(path, "bytes", "are not those of its digest", remedy)
+    let hint = "nothing may change while a release is made: run `l4d check-scenes`, then run it again";
+    DataError::invalid(path, "bytes", "are not those of its digest", hint)
 }
 
 fn header(name: &str, bytes: u64) -> io::Result<Header> {

@@ -148,8 +148,8 @@ impl Contents {
         }
         let listed = sums::read(&release.join(SUMS))?;
         if listed.get(FILE) != Some(&l4d_data::digest::sha256_file(&path)?) {
-            let remedy = "fetch the release again; `l4d release --check` lists all that is wrong with it";
-            return Err(DataError::invalid(&path, "bytes", "are not those that SHA256SUMS lists", remedy));
+            let hint = "fetch the release again; `l4d release --check` lists all that is wrong with it";
+            return Err(DataError::invalid(&path, "bytes", "are not those that SHA256SUMS lists", hint));
         }
         Ok(contents)
     }

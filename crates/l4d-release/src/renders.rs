@@ -74,13 +74,13 @@ fn scene(
     report: &mut Report,
 ) -> Result<Option<Rendered>, DataError> {
     let path = dir.scene();
-    let remedy = format!("run `l4d build-scenes --profile {profile}`, which goes on where it was");
+    let hint = format!("run `l4d build-scenes --profile {profile}`, which goes on where it was");
     if !path.exists() {
         return Err(DataError::invalid(
             &path,
             "file",
             "is missing: the scene is not rendered to its end",
-            remedy,
+            hint,
         ));
     }
     let scene = Scene::read(&path)?;
@@ -107,14 +107,14 @@ fn scene(
         let named = missing[..missing.len().min(NAMED)].join(", ");
         let message =
             format!("lacks {} of {} files, or their digests: {named}{more}", missing.len(), wanted.len());
-        report.error(codes::RENDERS, dir.root(), "files", message, remedy);
+        report.error(codes::RENDERS, dir.root(), "files", message, hint);
         return Ok(None);
     }
     let views = scene.cameras.len();
     if views != profile.training_views() + 1 {
         let message =
             format!("{views} views are rendered, profile {profile} has {}", profile.training_views() + 1);
-        report.error(codes::RENDERS, &path, "field `cameras`", message, remedy);
+        report.error(codes::RENDERS, &path, "field `cameras`", message, hint);
     }
     let prefix = format!("data/{profile}/{}", scene.name);
     let source = |file: &String| {

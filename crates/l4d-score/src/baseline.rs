@@ -174,14 +174,14 @@ fn line(text: serde_json::Result<String>) -> Vec<u8> {
     (text.expect("strings and numbers serialise") + "\n").into_bytes()
 }
 
-const REMEDY: &str =
+const HINT: &str =
     "it may be of another seed, profile or version: pass --force to replace it, or another --results";
 
 /// Whether the file is there with these bytes; other bytes are an error unless they may be replaced.
 fn is_current(path: &Path, bytes: &[u8], force: bool) -> Result<bool, DataError> {
-    holds(path, bytes, force, REMEDY)
+    holds(path, bytes, force, HINT)
 }
 
 fn write_unless_current(path: &Path, bytes: &[u8], force: bool) -> Result<bool, DataError> {
-    write_unless_held(path, bytes, force, REMEDY)
+    write_unless_held(path, bytes, force, HINT)
 }

@@ -127,8 +127,8 @@ impl Exam {
         }
         if scenes.is_empty() {
             let message = format!("no scene has both {} and truth of profile {profile}", set.as_str());
-            let remedy = "choose another --profile or build the scenes";
-            return Err(DataError::invalid(bench.root(), "folder", message, remedy));
+            let hint = "choose another --profile or build the scenes";
+            return Err(DataError::invalid(bench.root(), "folder", message, hint));
         }
         Ok(Self {
             truth_digest,

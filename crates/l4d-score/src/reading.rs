@@ -193,7 +193,7 @@ impl<'a> SceneReader<'a> {
                 _ => Rle::default(),
             };
             if let Err(error) = rle.decode_into(counts, width, height) {
-                report.error(codes::BAD_RLE, &path, place(), error.to_string(), error.remedy());
+                report.error(codes::BAD_RLE, &path, place(), error.to_string(), error.hint());
                 continue;
             }
             answer = match (width, height) == self.scene.size {
@@ -249,7 +249,7 @@ impl<'a> SceneReader<'a> {
                         (codes::BAD_PNG, "file")
                     }
                 };
-                report.error(code, path, place, error.to_string(), error.remedy());
+                report.error(code, path, place, error.to_string(), error.hint());
                 None
             }
         }

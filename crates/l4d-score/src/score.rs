@@ -78,11 +78,11 @@ pub fn score_results(
         exam.scenes.iter().flat_map(|scene| &scene.queries).filter(|query| options.takes(query)).count();
     if asked == 0 {
         let (message, place) = ("no query is left to score", "folder `queries`");
-        let remedy = match options.verified_only {
+        let hint = match options.verified_only {
             true => "drop --verified-only, or have queries verified",
             false => "write queries, or choose other --scenes or another --set",
         };
-        return Err(DataError::invalid(exam.bench.root(), place, message, remedy));
+        return Err(DataError::invalid(exam.bench.root(), place, message, hint));
     }
     let _lock = FolderLock::take(scores)?;
     let summaries = each_method(root, exam, options.resize, &mut report, progress, |dir, card, found| {

@@ -178,11 +178,11 @@ impl SolveScene {
             None => self.rig.held_out(),
         };
         let camera = camera.cloned().ok_or_else(|| {
-            let remedy = match self.profile.is_rendered() {
+            let hint = match self.profile.is_rendered() {
                 true => "build the scene again",
                 false => "import the scene again with --held-out, or name cameras with --camera",
             };
-            DataError::invalid(&path, "field `cameras`", "has no camera of split `test`", remedy)
+            DataError::invalid(&path, "field `cameras`", "has no camera of split `test`", hint)
         })?;
         let clip = self.rig.clip(self.profile);
         let saw: Vec<u32> = clip.into_iter().filter(|frame| self.rig.saw(&camera.name, *frame)).collect();
@@ -204,9 +204,9 @@ fn drawn_on(dir: &SceneDir) -> Result<Option<Name>, DataError> {
 fn read_rig(name: &Name, profile: Profile, places: &Places) -> Result<Rig, DataError> {
     let path = places.data.rig(profile);
     if !path.exists() {
-        let remedy =
+        let hint =
             format!("{}, or choose another --data", how_scenes_are_made(name, profile, places.data.root()));
-        return Err(DataError::invalid(places.data.root(), "scene", "there is no scene", remedy));
+        return Err(DataError::invalid(places.data.root(), "scene", "there is no scene", hint));
     }
     let rig = Rig::read(&path)?;
     if profile.is_rendered() && rig.size() != [profile.width(), profile.height()] {

@@ -16,7 +16,7 @@ use crate::gaussians::{FIELDS, Gaussians};
 
 pub use l4d_formats::Fault;
 use l4d_formats::Tensor;
-use l4d_formats::tensor::REMEDY_NOT_FINITE;
+use l4d_formats::tensor::HINT_NOT_FINITE;
 
 /// No file of a checkpoint is larger, bytes: a thousand times what a model of this project needs.
 pub const MAX_BYTES: u64 = 8 << 30;
@@ -27,10 +27,10 @@ pub(crate) fn build_field(
     tensors: &BTreeMap<String, Tensor>,
 ) -> Result<DeformationField, Fault> {
     DeformationField::from_tensors(config, tensors)
-        .map_err(|error| Fault::new("deformation field", error.to_string(), REMEDY_PAIR))
+        .map_err(|error| Fault::new("deformation field", error.to_string(), HINT_PAIR))
 }
 
-const REMEDY_PAIR: &str = "take configuration and parameters from the same training run";
+const HINT_PAIR: &str = "take configuration and parameters from the same training run";
 
 /// Refuses Gaussians whose lists have different lengths or hold a value that is not finite.
 fn check_gaussians(gaussians: &Gaussians) -> Result<(), Fault> {
@@ -45,7 +45,7 @@ fn check_gaussians(gaussians: &Gaussians) -> Result<(), Fault> {
         Some(bad) => Err(Fault::new(
             format!("Gaussian {}, field `{}`", bad.index, bad.field),
             format!("is {}, but parameters are finite", bad.value),
-            REMEDY_NOT_FINITE,
+            HINT_NOT_FINITE,
         )),
         None => Ok(()),
     }

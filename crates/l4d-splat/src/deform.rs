@@ -26,7 +26,7 @@ pub(crate) use grid::Plane;
 pub use offsets::Offsets;
 pub(crate) use tensors::{PREFIX, plane_name};
 
-/// What is wrong with a field, its input or its output: the field, the row and the remedy.
+/// What is wrong with a field, its input or its output: the field, the row and the hint.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct DeformError(String);

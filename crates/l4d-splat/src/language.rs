@@ -12,7 +12,7 @@ use self::drift::Drift;
 use crate::checkpoint::build_field;
 use crate::deform::{DeformConfig, DeformError, DeformationField, PREFIX};
 
-const REMEDY: &str = "take all files of a save from the same run of 4D LangSplat";
+const HINT: &str = "take all files of a save from the same run of 4D LangSplat";
 /// Keeps zero from being divided by zero, as the original does.
 const LEAST_NORM: f32 = 1e-9;
 /// Numbers that the head has room for which a field keeps for harmonics.
@@ -64,12 +64,12 @@ impl Language {
     ) -> Result<Self, Fault> {
         let name = |part: &str| format!("{PREFIX}discrete_coff_generator.{part}");
         let part = |part: &str| {
-            tensors.get(&name(part)).cloned().ok_or_else(|| Fault::new(name(part), "is missing", REMEDY))
+            tensors.get(&name(part)).cloned().ok_or_else(|| Fault::new(name(part), "is missing", HINT))
         };
         let count = part("3.bias")?.data.len();
         if count == 0 || count > MOST_STATES || total == 0 || !total.is_multiple_of(count) {
             let message = format!("has {count} states for {total} columns `f_lang_*`");
-            return Err(Fault::new(name("3.bias"), message, REMEDY));
+            return Err(Fault::new(name("3.bias"), message, HINT));
         }
         // The generator is built like a head of the field, so that the field computes it in place of its last one.
         let mut tensors: BTreeMap<_, _> = tensors
@@ -82,7 +82,7 @@ impl Language {
             if list.starts_with('3') {
                 let rows = tensor.shape.first_mut().filter(|rows| **rows == count);
                 let rows =
-                    rows.ok_or_else(|| Fault::new(name(list), format!("has not {count} rows"), REMEDY))?;
+                    rows.ok_or_else(|| Fault::new(name(list), format!("has not {count} rows"), HINT))?;
                 *rows = MOST_STATES;
                 tensor.data.resize(tensor.data.len() / count * MOST_STATES, 0.0);
             }

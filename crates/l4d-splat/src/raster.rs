@@ -109,7 +109,7 @@ pub trait Projected: Send + Sync {
 /// Why nothing was drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum RasterError {
-    /// A setting, list or pixel that does not fit, or more work than any picture is worth: what, and the remedy.
+    /// A setting, list or pixel that does not fit, or more work than any picture is worth: what, and the hint.
     #[error("{0}")]
     Invalid(String),
     /// A Gaussian whose projection overflows.

@@ -24,7 +24,7 @@ use crate::raster::RasterSettings;
 
 pub use crate::checkpoint::foreign::ReaderOptions;
 
-const REMEDY: &str = "give a checkpoint folder of `l4d train-splats`, a model folder of 4DGaussians or 4D LangSplat, \
+const HINT: &str = "give a checkpoint folder of `l4d train-splats`, a model folder of 4DGaussians or 4D LangSplat, \
                       a checkpoint of their trainers or of gsplat's, or a PLY of 3DGS";
 /// Files of Gaussians that are not read: how the name ends, and what they are.
 const UNREAD: [(&str, &str); 4] = [
@@ -147,7 +147,7 @@ impl Source {
         } else {
             "there is nothing".to_owned()
         };
-        Err(DataError::invalid(path, "model", message, REMEDY))
+        Err(DataError::invalid(path, "model", message, HINT))
     }
 
     /// What [`Self::saw_depth`] is of the model at a path, without reading the model; none where nothing says so.
@@ -175,11 +175,11 @@ impl Source {
             Some(Moments::Counted(reader)) => (clip, reader.trained(clip.len()).times),
             Some(Moments::Unknown) => {
                 let message = "nothing says at which times the moments of the clip were in training";
-                let remedy = format!(
+                let hint = format!(
                     "put the `{EXPORT_CARD}` of its data beside cfg_args, or name the reader of 4DGaussians that it was \
                      trained with: --reader panoptic, dynerf, multipleview or nerfies"
                 );
-                return Err(DataError::invalid(path, "model", message, remedy));
+                return Err(DataError::invalid(path, "model", message, hint));
             }
         };
         self.model.moments =
@@ -238,9 +238,9 @@ impl Source {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let lower = name.to_ascii_lowercase();
         if let Some((_, what)) = UNREAD.iter().find(|(end, _)| lower.ends_with(end)) {
-            let remedy =
+            let hint =
                 "convert it to PLY: `splat-transform IN OUT.ply` (npm package @playcanvas/splat-transform)";
-            return Err(DataError::invalid(file, "model", format!("is {what}, which is not read"), remedy));
+            return Err(DataError::invalid(file, "model", format!("is {what}, which is not read"), hint));
         }
         let mut head = Vec::new();
         let read = File::open(file).and_then(|file| file.take(LONGEST_HEADER).read_to_end(&mut head));

@@ -40,7 +40,7 @@ pub struct SplatParts<F = f32> {
     pub sh: Vec<[F; 3]>,
 }
 
-/// Why something cannot be drawn: the field, the Gaussian and the remedy.
+/// Why something cannot be drawn: the field, the Gaussian and the hint.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct SplatError(String);

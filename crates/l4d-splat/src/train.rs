@@ -46,7 +46,7 @@ pub(crate) use views::{Picture, TrainingViews};
 pub(crate) enum TrainError {
     #[error(transparent)]
     TrainingViews(#[from] views::TrainingViewsError),
-    /// A setting, an initial model or a checkpoint that cannot be used: its name, and the remedy.
+    /// A setting, an initial model or a checkpoint that cannot be used: its name, and the hint.
     #[error("{0}")]
     Invalid(String),
     #[error(transparent)]

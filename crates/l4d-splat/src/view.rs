@@ -20,7 +20,7 @@ pub struct View {
     camera_from_world: [[f64; 4]; 3],
 }
 
-/// Why a view cannot be drawn from: the field, its value and the remedy.
+/// Why a view cannot be drawn from: the field, its value and the hint.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct ViewError(String);
@@ -45,14 +45,14 @@ impl View {
         let [[fx, fy], [cx, cy]] = [focal, principal];
         let (lens, centre) =
             ("a focal length is 0.001 to 1e9 pixels", "a principal point is finite, below 1e9");
-        for (field, value, range, remedy) in [
+        for (field, value, range, hint) in [
             ("fx", fx, 1e-3..=1e9, lens),
             ("fy", fy, 1e-3..=1e9, lens),
             ("cx", cx, -1e9..=1e9, centre),
             ("cy", cy, -1e9..=1e9, centre),
         ] {
             if !range.contains(&value) {
-                return Err(ViewError(format!("field `{field}` of the view is {value}: {remedy}")));
+                return Err(ViewError(format!("field `{field}` of the view is {value}: {hint}")));
             }
         }
         let [right, down, ahead] = camera_from_world;

@@ -73,8 +73,8 @@ fn answer(folder: &ResultsDir, query: &Query, truth: Option<&Truth>) -> Result<O
                 "says {} x {}, but the truth is {} x {}",
                 size[1], size[0], truth.width, truth.height
             );
-            let remedy = "name a method of this profile";
-            return Err(DataError::invalid(&path, "field `size`", message, remedy).into());
+            let hint = "name a method of this profile";
+            return Err(DataError::invalid(&path, "field `size`", message, hint).into());
         }
         return Ok(Some(frames));
     }
@@ -87,9 +87,8 @@ fn answer(folder: &ResultsDir, query: &Query, truth: Option<&Truth>) -> Result<O
         let path = pictures.join(format!("{key}.png"));
         if path.is_file() {
             let decoded = png::decode(&read_bounded(&path, MOST_BYTES)?, truth.width, truth.height);
-            let wrong = |error: png::PngError| {
-                DataError::invalid(&path, "picture", error.to_string(), error.remedy())
-            };
+            let wrong =
+                |error: png::PngError| DataError::invalid(&path, "picture", error.to_string(), error.hint());
             let mask: Mask = decoded.map_err(wrong)?;
             masks.insert(key, (!mask.is_empty()).then(|| mask.to_rle()));
         }

@@ -88,8 +88,8 @@ impl Ballot {
         seen: ShownFrames,
         elapsed: Duration,
     ) -> Result<(), DataError> {
-        let refuse = |message: String, remedy: &str| {
-            Err(DataError::invalid(&self.path, format!("item {item}"), message, remedy))
+        let refuse = |message: String, hint: &str| {
+            Err(DataError::invalid(&self.path, format!("item {item}"), message, hint))
         };
         if self.sealed {
             return refuse("the ballot is sealed: nothing more counts".to_owned(), "vote in a further round");
@@ -123,8 +123,8 @@ impl Ballot {
     /// # Errors
     /// An item is open, the file is not what was written, or the seal cannot be written.
     pub fn seal(&mut self) -> Result<(), DataError> {
-        let refuse = |place: &str, message: String, remedy: &str| {
-            Err(DataError::invalid(&self.path, place, message, remedy))
+        let refuse = |place: &str, message: String, hint: &str| {
+            Err(DataError::invalid(&self.path, place, message, hint))
         };
         if self.sealed {
             return refuse("seal", "the ballot is sealed already".to_owned(), "nothing to do");

@@ -63,12 +63,12 @@ pub fn draw_round(
         }
         prompts.extend(queries);
     }
-    let refuse = |message: String, remedy: &str| {
-        Err(DataError::invalid(&bench.root().join("queries"), "queries", message, remedy))
+    let refuse = |message: String, hint: &str| {
+        Err(DataError::invalid(&bench.root().join("queries"), "queries", message, hint))
     };
     if let Some(unknown) = unknown.first() {
-        let remedy = "choose its scene too, or leave the query out";
-        return refuse(format!("there is no `{unknown}` in the chosen scenes"), remedy);
+        let hint = "choose its scene too, or leave the query out";
+        return refuse(format!("there is no `{unknown}` in the chosen scenes"), hint);
     }
     if prompts.is_empty() {
         return refuse("nothing is left to ask".to_owned(), "choose other scenes or queries");

@@ -144,18 +144,18 @@ impl Key {
     /// The file cannot be read, or does not fit the items of the round.
     pub fn read(dir: &RoundDir, round: &Round) -> Result<Self, DataError> {
         let path = dir.key();
-        let remedy = "restore the key.jsonl that `l4d open-round` wrote";
+        let hint = "restore the key.jsonl that `l4d open-round` wrote";
         let mut entries = BTreeMap::new();
         for (line, KeyLine { item, source }) in json::read_lines::<KeyLine>(&path)? {
             let place = format!("line {line}, item {item}");
             if entries.insert(item, source).is_some() {
-                return Err(DataError::invalid(&path, place, "is listed twice", remedy));
+                return Err(DataError::invalid(&path, place, "is listed twice", hint));
             }
         }
         let key = Self { entries };
         match key.problem(round) {
             None => Ok(key),
-            Some((item, message)) => Err(DataError::invalid(&path, format!("item {item}"), message, remedy)),
+            Some((item, message)) => Err(DataError::invalid(&path, format!("item {item}"), message, hint)),
         }
     }
 

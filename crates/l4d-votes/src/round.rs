@@ -80,8 +80,8 @@ impl Round {
     pub fn open(dir: &RoundDir) -> Result<Self, DataError> {
         let path = dir.settings();
         if !path.exists() {
-            let remedy = known_rounds(dir).unwrap_or_else(|| "open a round with `l4d open-round`".to_owned());
-            return Err(DataError::invalid(&path, "file", "there is no such round", remedy));
+            let hint = known_rounds(dir).unwrap_or_else(|| "open a round with `l4d open-round`".to_owned());
+            return Err(DataError::invalid(&path, "file", "there is no such round", hint));
         }
         let settings: RoundSettings =
             toml_file::read(&path, "see docs/annotation.md for the fields of a round")?;
@@ -98,18 +98,18 @@ impl Round {
         Self::new(dir, settings, items, "restore the file that `l4d open-round` wrote")
     }
 
-    /// Checks settings and items; `remedy` is for items that cannot be.
+    /// Checks settings and items; `hint` is for items that cannot be.
     pub(crate) fn new(
         dir: &RoundDir,
         settings: RoundSettings,
         items: Vec<Item>,
-        remedy: &str,
+        hint: &str,
     ) -> Result<Self, DataError> {
-        if let Some((field, message, remedy)) = settings_problem(&settings) {
-            return Err(DataError::invalid(&dir.settings(), format!("field `{field}`"), message, remedy));
+        if let Some((field, message, hint)) = settings_problem(&settings) {
+            return Err(DataError::invalid(&dir.settings(), format!("field `{field}`"), message, hint));
         }
         if let Some((place, message)) = items_problem(&items) {
-            return Err(DataError::invalid(&dir.items(), place, message, remedy));
+            return Err(DataError::invalid(&dir.items(), place, message, hint));
         }
         Ok(Self { settings, items, dir: dir.clone() })
     }

@@ -56,7 +56,7 @@ fn check_verb(verb: &str, command: &Command, matches: &ArgMatches) -> Result<(),
         if given.has(option) && !given.fulfils(when) {
             let option = given.name(option);
             let message = format!("{option} does not apply {}", given.because(when));
-            return Err(StageError::new(message, format!("{}, or leave out {option}", given.remedy(when))));
+            return Err(StageError::new(message, format!("{}, or leave out {option}", given.hint(when))));
         }
     }
     Ok(())
@@ -113,12 +113,12 @@ impl Given<'_> {
     }
 
     /// What makes it apply.
-    fn remedy(&self, when: &When) -> String {
+    fn hint(&self, when: &When) -> String {
         match when {
             When::Is(choice, patterns) => format!("choose {} {}", self.name(choice), patterns.join(" or ")),
             When::With(other) => format!("add {}", self.name(other)),
             When::Without(other) => format!("leave out {}", self.name(other)),
-            When::Any(ways) => ways.iter().map(|way| self.remedy(way)).collect::<Vec<_>>().join(", or "),
+            When::Any(ways) => ways.iter().map(|way| self.hint(way)).collect::<Vec<_>>().join(", or "),
         }
     }
 }

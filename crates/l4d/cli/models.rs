@@ -35,7 +35,7 @@ pub(crate) struct EndpointArgs {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum EndpointCommand {
-    /// Ask a server what it supports: models, chat, pictures, schema, seed; one line each, with the remedy
+    /// Ask a server what it supports: models, chat, pictures, schema, seed; one line each, with the hint
     Check(EndpointCheckArgs),
     /// Find out how a model writes boxes, by asking about pictures with squares at known places
     Calibrate(EndpointCalibrateArgs),

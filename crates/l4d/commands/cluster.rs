@@ -43,12 +43,12 @@ fn init(args: &ClusterInitArgs, out: &Printer) -> Result<ExitStatus> {
     let python = if args.install { Some(environment.python()?) } else { None };
     let commands = commands(&settings, python.as_deref());
     let rows = table(&estimate.rows());
-    let remedy = "pass --force to replace it, or name another folder";
+    let hint = "pass --force to replace it, or name another folder";
     let files = settings.files(&estimate, &rows, &commands)?;
     // All are looked at before the first is written.
     let mut stale = Vec::new();
     for (path, text) in &files {
-        if !holds(path, text.as_bytes(), args.force, remedy)? {
+        if !holds(path, text.as_bytes(), args.force, hint)? {
             stale.push((path, text));
         }
     }

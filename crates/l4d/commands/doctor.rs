@@ -1,11 +1,11 @@
-//! `l4d doctor`: one line for each thing that a stage needs, with the remedy where it lacks.
+//! `l4d doctor`: one line for each thing that a stage needs, with the hint where it lacks.
 
 use std::borrow::Cow;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 use anyhow::Result;
-use l4d_blender::env::{BlenderEnv, Probe, environment_python, import_remedy, probe};
+use l4d_blender::env::{BlenderEnv, Probe, environment_python, import_hint, probe};
 use l4d_data::Benchmark;
 use serde::Serialize;
 use serde_json::json;
@@ -35,28 +35,28 @@ struct Line {
     name: Cow<'static, str>,
     state: State,
     found: String,
-    remedy: String,
+    hint: String,
 }
 
 impl Line {
     fn ok(name: impl Into<Cow<'static, str>>, found: impl Into<String>) -> Self {
-        Self { name: name.into(), state: State::Ok, found: found.into(), remedy: String::new() }
+        Self { name: name.into(), state: State::Ok, found: found.into(), hint: String::new() }
     }
 
     fn optional(
         name: impl Into<Cow<'static, str>>,
         found: impl Into<String>,
-        remedy: impl Into<String>,
+        hint: impl Into<String>,
     ) -> Self {
-        Self { name: name.into(), state: State::Optional, found: found.into(), remedy: remedy.into() }
+        Self { name: name.into(), state: State::Optional, found: found.into(), hint: hint.into() }
     }
 
     fn missing(
         name: impl Into<Cow<'static, str>>,
         found: impl Into<String>,
-        remedy: impl Into<String>,
+        hint: impl Into<String>,
     ) -> Self {
-        Self { state: State::Missing, ..Self::optional(name, found, remedy) }
+        Self { state: State::Missing, ..Self::optional(name, found, hint) }
     }
 }
 
@@ -69,14 +69,14 @@ pub(crate) fn run(args: &DoctorArgs, out: &Printer) -> Result<ExitStatus> {
     if args.json {
         out.json(&json!({ "doctor": lines }))?;
     } else {
-        for Line { name, state, found, remedy } in &lines {
+        for Line { name, state, found, hint } in &lines {
             let mark = match state {
                 State::Ok => "ok",
                 State::Optional => "--",
                 State::Missing => "MISSING",
             };
-            let remedy = if remedy.is_empty() { String::new() } else { format!(" -> {remedy}") };
-            out.data(format!("{mark:<8}{name:<width$}{found}{remedy}"))?;
+            let hint = if hint.is_empty() { String::new() } else { format!(" -> {hint}") };
+            out.data(format!("{mark:<8}{name:<width$}{found}{hint}"))?;
         }
     }
     let lacks = lines.iter().any(|line| line.state == State::Missing);
@@ -109,8 +109,8 @@ fn test_line(line: &str) -> Option<Line> {
     Some(match state {
         "ok" => Line::ok(package, format!("{recognised}, for {purpose}")),
         _ => {
-            let remedy = format!("`tests/run` installs it, or: apt-get install {package}");
-            Line::missing(package, format!("none of {recognised}, for {purpose}"), remedy)
+            let hint = format!("`tests/run` installs it, or: apt-get install {package}");
+            Line::missing(package, format!("none of {recognised}, for {purpose}"), hint)
         }
     })
 }
@@ -123,19 +123,19 @@ fn python_lines(args: &DoctorArgs) -> Vec<Line> {
     let python = match python {
         Ok(python) => python,
         Err(error) => {
-            let remedy = "run l4d in the project's root folder, or name the folder with --blender-scripts";
-            return vec![Line::missing("python", format!("{error:#}"), remedy)];
+            let hint = "run l4d in the project's root folder, or name the folder with --blender-scripts";
+            return vec![Line::missing("python", format!("{error:#}"), hint)];
         }
     };
     if !python.exists() && args.python.python.is_none() {
-        let remedy = "nothing to do: `l4d build-scenes` makes it, or --setup now (needs Python 3.11 or uv, and about 1 GB)";
-        return vec![Line::optional("python", "no Blender environment yet", remedy)];
+        let hint = "nothing to do: `l4d build-scenes` makes it, or --setup now (needs Python 3.11 or uv, and about 1 GB)";
+        return vec![Line::optional("python", "no Blender environment yet", hint)];
     }
     match probe(&python) {
         Ok(probe) => probe_lines(&python, &probe, &args.python.blender_scripts),
         Err(error) => {
-            let remedy = "name a working Python 3.11 with --python, or delete the environment so that it is made again";
-            vec![Line::missing("python", format!("{error:#}"), remedy)]
+            let hint = "name a working Python 3.11 with --python, or delete the environment so that it is made again";
+            vec![Line::missing("python", format!("{error:#}"), hint)]
         }
     }
 }
@@ -143,7 +143,7 @@ fn python_lines(args: &DoctorArgs) -> Vec<Line> {
 fn probe_lines(python: &Path, probe: &Probe, scripts: &Path) -> Vec<Line> {
     let modules = [("bpy", "bpy"), ("OpenEXR", "OpenEXR"), ("usd-core", "pxr"), ("numpy", "numpy")];
     let module_line = |(name, module): (&'static str, &str)| match probe.errors.get(module) {
-        Some(error) => Line::missing(name, error.clone(), import_remedy(module, error, scripts)),
+        Some(error) => Line::missing(name, error.clone(), import_hint(module, error, scripts)),
         None => Line::ok(name, probe.modules.get(module).cloned().unwrap_or_default()),
     };
     let python = Line::ok("python", format!("{} ({})", probe.version, python.display()));
@@ -170,8 +170,8 @@ fn benchmark_line() -> Line {
 fn adapter_line() -> Line {
     let found = l4d_gpu::adapters();
     if found.is_empty() {
-        let remedy = "the processor draws instead; to use graphics hardware install its Vulkan driver (in software: apt-get install mesa-vulkan-drivers)";
-        return Line::optional("gpu", "no Vulkan adapter", remedy);
+        let hint = "the processor draws instead; to use graphics hardware install its Vulkan driver (in software: apt-get install mesa-vulkan-drivers)";
+        return Line::optional("gpu", "no Vulkan adapter", hint);
     }
     let numbered = |(place, adapter): (usize, &l4d_gpu::AdapterReport)| format!("{place}: {adapter}");
     Line::ok("gpu", found.iter().enumerate().map(numbered).collect::<Vec<_>>().join("; "))
@@ -179,8 +179,8 @@ fn adapter_line() -> Line {
 
 #[cfg(not(feature = "gpu"))]
 fn adapter_line() -> Line {
-    let remedy = "the processor draws instead; `cargo build --release --features gpu` adds graphics hardware";
-    Line::optional("gpu", "not built in", remedy)
+    let hint = "the processor draws instead; `cargo build --release --features gpu` adds graphics hardware";
+    Line::optional("gpu", "not built in", hint)
 }
 
 fn terminal_line() -> Line {
@@ -219,6 +219,6 @@ fn disk_line(work: &Path) -> Line {
     if free_gib >= WANTED_DISK_GIB {
         return Line::ok("disk", found);
     }
-    let remedy = format!("profile full wants {WANTED_DISK_GIB} GiB; --data and --work may be elsewhere");
-    Line::optional("disk", found, remedy)
+    let hint = format!("profile full wants {WANTED_DISK_GIB} GiB; --data and --work may be elsewhere");
+    Line::optional("disk", found, hint)
 }

@@ -49,8 +49,8 @@ fn check(args: &EndpointCheckArgs, out: &Printer) -> Result<ExitStatus> {
                 State::Unclear => "?",
                 State::Failed => "FAILED",
             };
-            let remedy = if line.remedy.is_empty() { String::new() } else { format!(" -> {}", line.remedy) };
-            out.data(format!("{mark:<8}{:<10}{}{remedy}", line.name, line.found))?;
+            let hint = if line.hint.is_empty() { String::new() } else { format!(" -> {}", line.hint) };
+            out.data(format!("{mark:<8}{:<10}{}{hint}", line.name, line.found))?;
         }
     }
     let failed = lines.iter().any(|line| line.state == State::Failed);

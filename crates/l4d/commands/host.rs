@@ -94,8 +94,8 @@ fn entries(scores: &std::path::Path, hosted: &Hosted<'_>) -> Result<Vec<Entry>> 
             && summary.set == QuerySet::Queries;
         if !fits {
             let message = "belongs to another profile, version, truth or set of queries";
-            let remedy = "choose its --profile and --bench, or move it out of the folder";
-            return Err(DataError::invalid(&path, "summary", message, remedy).into());
+            let hint = "choose its --profile and --bench, or move it out of the folder";
+            return Err(DataError::invalid(&path, "summary", message, hint).into());
         }
         entries.push(entry(summary));
     }

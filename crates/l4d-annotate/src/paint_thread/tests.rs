@@ -92,7 +92,7 @@ fn requests_that_keep_coming_do_not_starve_the_screen() {
 }
 
 #[test]
-fn a_torn_frame_is_reported_with_its_path_and_a_remedy() {
+fn a_torn_frame_is_reported_with_its_path_and_a_hint() {
     let fixture = Fixture::new();
     let path = SceneDir::new(&fixture.data(), "yard").frame("cam01", 24);
     std::fs::write(&path, b"not an EXR").unwrap();

@@ -19,8 +19,8 @@ pub(super) fn card(
     annotator: &Name,
 ) -> Result<SceneInfo, DataError> {
     let dir = CaptureDir::new(data, scene);
-    let refuse = |place: &str, message: &str, remedy: &str| {
-        Err(DataError::invalid(dir.root(), place, message.to_owned(), remedy.to_owned()))
+    let refuse = |place: &str, message: &str, hint: &str| {
+        Err(DataError::invalid(dir.root(), place, message.to_owned(), hint.to_owned()))
     };
     let capture = Capture::read(dir.root())?;
     let drawn = MaskSet::read(dir.root())?;

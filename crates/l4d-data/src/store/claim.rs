@@ -137,8 +137,8 @@ impl List {
             return Ok(());
         }
         let message = "was not written by l4d, or was changed since";
-        let remedy = "move it away, choose another place, or replace it with --force (--overwrite where a verb has that)";
-        Err(DataError::invalid(&path, "file", message, remedy))
+        let hint = "move it away, choose another place, or replace it with --force (--overwrite where a verb has that)";
+        Err(DataError::invalid(&path, "file", message, hint))
     }
 }
 

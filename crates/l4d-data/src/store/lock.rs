@@ -57,8 +57,8 @@ impl FolderLock {
 }
 
 fn busy(folder: &Path) -> DataError {
-    let remedy = "wait until it has ended, or choose another folder";
-    DataError::invalid(folder, "folder", "another l4d writes into it", remedy)
+    let hint = "wait until it has ended, or choose another folder";
+    DataError::invalid(folder, "folder", "another l4d writes into it", hint)
 }
 
 impl Drop for FolderLock {

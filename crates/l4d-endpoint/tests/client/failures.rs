@@ -24,7 +24,7 @@ fn failure(turns: Vec<Turn>) -> (Failure, usize) {
 fn failure_in(result: Result<Reply, EndpointError>) -> Failure {
     match result.unwrap_err() {
         EndpointError::Server(failure) => {
-            assert!(!failure.remedy.is_empty(), "{failure} has no remedy");
+            assert!(!failure.hint.is_empty(), "{failure} has no hint");
             failure
         }
         other => panic!("{other:?}"),
@@ -46,7 +46,7 @@ fn a_server_that_is_down_or_does_not_exist() {
     let port = Server::start(vec![says("x")]).port;
     let ask = |url: &str| Client::open(patient(url), &Link::Live).unwrap().ask(&question("hello"));
     let failure = failure_in(ask(&format!("http://127.0.0.1:{port}/v1")));
-    assert!(failure.is_passing && failure.remedy.contains("start the server"), "{failure:?}");
+    assert!(failure.is_passing && failure.hint.contains("start the server"), "{failure:?}");
     assert!(failure.to_string().contains(&port.to_string()));
     failure_in(ask("http://no-such-host.invalid/v1"));
 }
@@ -81,7 +81,7 @@ fn connections_that_end_early_are_tried_again() {
     for broken in [Turn::Cut, Turn::Reset, Turn::Raw(Vec::new())] {
         passes([broken.clone(), broken.clone()]);
         let (failure, count) = failure(vec![broken]);
-        assert!(failure.may_have_cost && failure.remedy.contains("ended the connection"), "{failure:?}");
+        assert!(failure.may_have_cost && failure.hint.contains("ended the connection"), "{failure:?}");
         assert_eq!(count, 3);
     }
 }

@@ -44,7 +44,7 @@ fn a_good_server_is_called_good() {
     let lines = lines(&server);
     let expected = ["key", "models", "chat", "usage", "picture", "pictures", "schema", "seed"];
     assert_eq!(states(&lines), expected.map(|name| (name, State::Ok)), "{lines:#?}");
-    assert!(lines.iter().all(|line| line.remedy.is_empty()));
+    assert!(lines.iter().all(|line| line.hint.is_empty()));
 }
 
 #[test]
@@ -76,8 +76,8 @@ fn a_poor_server_is_told_apart_line_by_line() {
         ("seed", State::Lacking),
     ];
     assert_eq!(states(&lines), expected, "{lines:#?}");
-    assert!(lines.iter().skip(3).all(|line| !line.remedy.is_empty()), "{lines:#?}");
-    assert!(lines[1].remedy.contains("other"));
+    assert!(lines.iter().skip(3).all(|line| !line.hint.is_empty()), "{lines:#?}");
+    assert!(lines[1].hint.contains("other"));
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn a_server_that_is_down_is_looked_at_no_longer_than_needed() {
     let lines = lines(&server);
     let expected = [("key", State::Ok), ("models", State::Lacking), ("chat", State::Failed)];
     assert_eq!(states(&lines), expected);
-    assert!(lines[2].remedy.contains("api_key_env"), "{lines:#?}");
+    assert!(lines[2].hint.contains("api_key_env"), "{lines:#?}");
 }
 
 #[test]
@@ -99,7 +99,7 @@ fn a_key_in_the_clear_is_warned_about() {
     let client = Client::open_in(endpoint, &Link::Live, &key).unwrap();
     let line = probe(&client, (&picture(1), "grey"), |_| ()).remove(0);
     assert_eq!(line.state, State::Lacking);
-    assert!(line.remedy.contains("https"));
+    assert!(line.hint.contains("https"));
 }
 
 const SIZE: (u32, u32) = (714, 490);

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use l4d_data::DataError;
 
-use super::{CameraModel, REMEDY};
+use super::{CameraModel, HINT};
 
 /// A file of entries, read field by field.
 pub(super) trait Fields: Sized {
@@ -73,8 +73,8 @@ impl<'a> Binary<'a> {
         Self { path, bytes, offset: 0, left: None }
     }
 
-    fn wrong(&self, message: String, remedy: &str) -> DataError {
-        DataError::invalid(self.path, format!("byte {}", self.offset), message, remedy)
+    fn wrong(&self, message: String, hint: &str) -> DataError {
+        DataError::invalid(self.path, format!("byte {}", self.offset), message, hint)
     }
 }
 
@@ -84,7 +84,7 @@ impl Fields for Binary<'_> {
         self.left = left.checked_sub(1);
         let rest = self.bytes.len() - self.offset;
         match (self.left, rest) {
-            (None, 1..) => Err(self.wrong(format!("{rest} bytes are left over"), REMEDY)),
+            (None, 1..) => Err(self.wrong(format!("{rest} bytes are left over"), HINT)),
             (left, _) => Ok(left.is_some()),
         }
     }
@@ -92,7 +92,7 @@ impl Fields for Binary<'_> {
     fn number<T: Number>(&mut self, field: &str) -> Result<T, DataError> {
         let read = T::read(&self.bytes[self.offset..]);
         let (number, length) =
-            read.ok_or_else(|| self.wrong(format!("ends within the field `{field}`"), REMEDY))?;
+            read.ok_or_else(|| self.wrong(format!("ends within the field `{field}`"), HINT))?;
         self.offset += length;
         Ok(number)
     }
@@ -108,9 +108,9 @@ impl Fields for Binary<'_> {
     fn name(&mut self) -> Result<String, DataError> {
         let rest = &self.bytes[self.offset..];
         let length = rest.iter().position(|&byte| byte == 0);
-        let length = length.ok_or_else(|| self.wrong("a name has no end".to_owned(), REMEDY))?;
+        let length = length.ok_or_else(|| self.wrong("a name has no end".to_owned(), HINT))?;
         let name = std::str::from_utf8(&rest[..length])
-            .map_err(|error| self.wrong(format!("a name is no UTF-8: {error}"), REMEDY))?;
+            .map_err(|error| self.wrong(format!("a name is no UTF-8: {error}"), HINT))?;
         self.offset += length + 1;
         Ok(name.to_owned())
     }
@@ -124,7 +124,7 @@ impl Fields for Binary<'_> {
         let room = ((self.bytes.len() - self.offset) / least_bytes) as u64;
         if count > room {
             let message = format!("promises {count} entries, but has room for {room}");
-            return Err(self.wrong(message, REMEDY));
+            return Err(self.wrong(message, HINT));
         }
         (0..count).map(|_| item(self)).collect()
     }
@@ -142,7 +142,7 @@ pub(super) struct Text<'a> {
 impl<'a> Text<'a> {
     pub(super) fn new(path: &'a Path, bytes: &'a [u8]) -> Result<Self, DataError> {
         let text = std::str::from_utf8(bytes).map_err(|error| {
-            DataError::invalid(path, format!("byte {}", error.valid_up_to()), "is no UTF-8", REMEDY)
+            DataError::invalid(path, format!("byte {}", error.valid_up_to()), "is no UTF-8", HINT)
         })?;
         Ok(Self { path, lines: text.lines().enumerate(), number: 0, rest: "" })
     }
@@ -162,21 +162,21 @@ impl<'a> Text<'a> {
         let rest = self.rest.trim_start();
         let (word, rest) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
         if word.is_empty() {
-            return Err(self.wrong(field, "is missing".to_owned(), REMEDY));
+            return Err(self.wrong(field, "is missing".to_owned(), HINT));
         }
         self.rest = rest;
         Ok(word)
     }
 
-    fn wrong(&self, field: &str, message: String, remedy: &str) -> DataError {
-        DataError::invalid(self.path, format!("line {}, field `{field}`", self.number + 1), message, remedy)
+    fn wrong(&self, field: &str, message: String, hint: &str) -> DataError {
+        DataError::invalid(self.path, format!("line {}, field `{field}`", self.number + 1), message, hint)
     }
 }
 
 impl Fields for Text<'_> {
     fn next_entry(&mut self) -> Result<bool, DataError> {
         if !self.is_through() {
-            return Err(self.wrong("end", format!("`{}` is left over", self.rest.trim()), REMEDY));
+            return Err(self.wrong("end", format!("`{}` is left over", self.rest.trim()), HINT));
         }
         while self.next_line() {
             if !self.is_through() {
@@ -189,7 +189,7 @@ impl Fields for Text<'_> {
     fn number<T: Number>(&mut self, field: &str) -> Result<T, DataError> {
         let word = self.word(field)?;
         let number = word.parse().ok();
-        number.ok_or_else(|| self.wrong(field, format!("`{word}` is no such number"), REMEDY))
+        number.ok_or_else(|| self.wrong(field, format!("`{word}` is no such number"), HINT))
     }
 
     fn model(&mut self) -> Result<CameraModel, DataError> {
@@ -205,7 +205,7 @@ impl Fields for Text<'_> {
     fn name(&mut self) -> Result<String, DataError> {
         let name = self.rest.trim();
         if name.is_empty() {
-            return Err(self.wrong("name", "is missing".to_owned(), REMEDY));
+            return Err(self.wrong("name", "is missing".to_owned(), HINT));
         }
         self.next_line();
         Ok(name.to_owned())

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use super::REMEDY;
+use super::HINT;
 use super::node::{Global, Id, Node};
 use crate::fault::{Fault, quoted};
 
@@ -90,7 +90,7 @@ impl<'a> Machine<'a> {
     }
 
     pub(super) fn fault(&self, message: impl Into<String>) -> Fault {
-        Fault::new(format!("data.pkl, byte {}", self.start), message, REMEDY)
+        Fault::new(format!("data.pkl, byte {}", self.start), message, HINT)
     }
 
     fn refuse_opcode(&self, opcode: u8) -> Fault {

@@ -19,7 +19,7 @@ fn written(name: &str, bytes: &[u8]) -> (tempfile::TempDir, std::path::PathBuf) 
 fn refusal(name: &str, bytes: &[u8]) -> String {
     let (_folder, path) = written(name, bytes);
     let error = arrays::read(&path, None).unwrap_err();
-    assert!(!error.hint().is_empty(), "{error} has no remedy");
+    assert!(!error.hint().is_empty(), "{error} has no hint");
     error.to_string()
 }
 

@@ -6,12 +6,12 @@ use super::ply::rows;
 use super::poison::zip;
 use super::{bytes, entries};
 
-/// Feeds every beginning of `whole` to `read`, which must refuse it with a place and a remedy.
+/// Feeds every beginning of `whole` to `read`, which must refuse it with a place and a hint.
 fn each_beginning<T: std::fmt::Debug>(name: &str, whole: &[u8], read: impl Fn(&[u8]) -> Result<T, Fault>) {
     read(whole).unwrap();
     for end in 0..whole.len() {
         let Err(fault) = read(&whole[..end]) else { panic!("{name} is read from its first {end} bytes") };
-        assert!(!fault.place.is_empty() && !fault.remedy.is_empty(), "{name}, {end} bytes: {fault:?}");
+        assert!(!fault.place.is_empty() && !fault.hint.is_empty(), "{name}, {end} bytes: {fault:?}");
     }
 }
 

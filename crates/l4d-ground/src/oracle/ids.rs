@@ -96,14 +96,14 @@ impl IdSource for RenderedIds {
     }
 
     fn pixels_of(&self, view: &Name, frame: u32, ids: &[u32]) -> Result<Mask, DataError> {
-        let refuse = |message: String, remedy: &str| {
-            Err(DataError::invalid(&self.dir.scene(), "field `cameras`", message, remedy))
+        let refuse = |message: String, hint: &str| {
+            Err(DataError::invalid(&self.dir.scene(), "field `cameras`", message, hint))
         };
         match self.scene.camera(view).map(|camera| camera.split) {
             Some(Split::Train) => {}
             Some(Split::Test) => {
-                let remedy = "ask about training views: the held-out one is for the judge alone";
-                return refuse(format!("holds view `{view}` out"), remedy);
+                let hint = "ask about training views: the held-out one is for the judge alone";
+                return refuse(format!("holds view `{view}` out"), hint);
             }
             None => return refuse(format!("has no view `{view}`"), "ask about a view that was rendered"),
         }

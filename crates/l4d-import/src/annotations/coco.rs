@@ -11,7 +11,7 @@ use serde::Deserialize;
 use super::fill::{Rule, fill};
 use super::{AnnotatedObject, AnnotatedPicture, Annotations};
 
-const REMEDY: &str = "export the annotations again as COCO instances (polygons or run lengths)";
+const HINT: &str = "export the annotations again as COCO instances (polygons or run lengths)";
 
 /// What a reader makes of polygons.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -154,5 +154,5 @@ pub(crate) fn plain_runs(runs: &[u64], width: u32, height: u32) -> Result<Mask, 
 }
 
 fn wrong(path: &Path, place: impl Into<String>, message: impl Into<String>) -> DataError {
-    DataError::invalid(path, place, message, REMEDY)
+    DataError::invalid(path, place, message, HINT)
 }

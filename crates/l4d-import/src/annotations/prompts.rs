@@ -62,8 +62,8 @@ pub(crate) fn base_object(query: &Query) -> String {
 
 fn masks_of(path: &Path, truth: &Truth, query: &Query) -> Result<BTreeMap<u32, Mask>, DataError> {
     if let Some(name) = query.referents.iter().find(|name| truth.instance(name).is_none()) {
-        let remedy = "give the truth and the queries of one benchmark";
-        return Err(DataError::invalid(path, format!("instance {name}"), "is not in the truth", remedy));
+        let hint = "give the truth and the queries of one benchmark";
+        return Err(DataError::invalid(path, format!("instance {name}"), "is not in the truth", hint));
     }
     let mask = |&frame: &u32| Some((frame, target::union(truth, &query.referents, frame)?));
     Ok(truth.frames.iter().filter_map(mask).collect())

@@ -25,9 +25,9 @@ pub(super) fn plan(request: &CaptureRequest<'_>) -> Result<Plan, DataError> {
         let Some(intrinsics) = model.camera(image.camera) else { continue };
         let size = [intrinsics.width as u32, intrinsics.height as u32];
         if *plan.stated_size.get_or_insert(size) != size {
-            let remedy = "undistort the images to one size first (`colmap image_undistorter`)";
+            let hint = "undistort the images to one size first (`colmap image_undistorter`)";
             let (place, message) = (format!("camera {}", intrinsics.id), "has another picture size");
-            return Err(DataError::invalid(&inputs[0], place, message, remedy));
+            return Err(DataError::invalid(&inputs[0], place, message, hint));
         }
         let stem = image.name.rsplit_once('.').map_or(image.name.as_str(), |(stem, _)| stem);
         let name = name_of(&inputs[1], stem)?;

@@ -15,7 +15,7 @@ use super::lens::Distortion;
 use super::plan::{Plan, View, camera, inside, is_wanted, name_of};
 use crate::pose;
 
-const REMEDY: &str = "restore the folder from the data set";
+const HINT: &str = "restore the folder from the data set";
 /// Intrinsics of one view agree to this, relative.
 const SAME: f64 = 1e-6;
 /// No clip is longer, moments: poses are stored for each number up to the last.
@@ -78,20 +78,20 @@ pub(super) fn plan(request: &CaptureRequest<'_>) -> Result<Plan, DataError> {
     for id in &dataset.ids {
         let card_path = inside(&path, &request.input.join("camera"), &format!("{id}.json"))?;
         let card: Card = json::read(&card_path)?;
-        let facts = metadata.get(id).ok_or_else(|| {
-            DataError::invalid(&metadata_path, format!("entry `{id}`"), "is missing", REMEDY)
-        })?;
+        let facts = metadata
+            .get(id)
+            .ok_or_else(|| DataError::invalid(&metadata_path, format!("entry `{id}`"), "is missing", HINT))?;
         let moment = facts.time_id.unwrap_or(facts.warp_id);
         if moment > MOST_MOMENTS {
             let message = format!("moment {moment} lies beyond {MOST_MOMENTS}");
-            return Err(DataError::invalid(&path, format!("entry `{id}`"), message, REMEDY));
+            return Err(DataError::invalid(&path, format!("entry `{id}`"), message, HINT));
         }
         if !is_wanted(request, None, moment) {
             continue;
         }
         if card.skew != 0.0 {
             let message = format!("is {}, but rows and columns are taken to be at right angles", card.skew);
-            return Err(DataError::invalid(&card_path, "field `skew`", message, REMEDY));
+            return Err(DataError::invalid(&card_path, "field `skew`", message, HINT));
         }
         plan.stated_size.get_or_insert(card.image_size);
         let entry = PictureEntry {
@@ -110,7 +110,7 @@ pub(super) fn plan(request: &CaptureRequest<'_>) -> Result<Plan, DataError> {
             }
             Some(_) => {
                 let message = "has other intrinsics than the first picture of its view";
-                return Err(DataError::invalid(&card_path, "camera", message, REMEDY));
+                return Err(DataError::invalid(&card_path, "camera", message, HINT));
             }
         }
     }
@@ -169,6 +169,6 @@ fn is_same(a: &Camera, b: &Camera) -> bool {
 fn picture_folder(input: &Path) -> Result<(u32, PathBuf), DataError> {
     let folders = [1, 2, 4, 8, 16].map(|scale| (scale, input.join("rgb").join(format!("{scale}x"))));
     folders.into_iter().find(|(_, folder)| folder.is_dir()).ok_or_else(|| {
-        DataError::invalid(&input.join("rgb"), "folder", "holds none of 1x, 2x, 4x, 8x, 16x", REMEDY)
+        DataError::invalid(&input.join("rgb"), "folder", "holds none of 1x, 2x, 4x, 8x, 16x", HINT)
     })
 }

@@ -65,16 +65,16 @@ fn rows(path: &Path) -> Result<Vec<Row>, DataError> {
         if is_header || line.trim().is_empty() || line.trim_start().starts_with('#') {
             continue;
         }
-        let wrong = |message: String, remedy: &str| {
-            DataError::invalid(path, format!("line {}", index + 1), inert(&message), remedy)
+        let wrong = |message: String, hint: &str| {
+            DataError::invalid(path, format!("line {}", index + 1), inert(&message), hint)
         };
         let numbers: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
         let numbers = numbers.map_err(|error| {
             wrong(format!("holds something that is no number: {error}"), "write twelve numbers a camera")
         })?;
         if numbers.len() == 14 {
-            let remedy = "take the variant \"Undistorted\" of the data set, as the literature does";
-            return Err(wrong("has distortion (d1, d2)".to_owned(), remedy));
+            let hint = "take the variant \"Undistorted\" of the data set, as the literature does";
+            return Err(wrong("has distortion (d1, d2)".to_owned(), hint));
         }
         let row: Row = numbers.as_slice().try_into().map_err(|error| {
             let message = format!("has {} numbers instead of 12: {error}", numbers.len());
@@ -107,9 +107,9 @@ fn pictures(request: &CaptureRequest<'_>) -> Result<(String, Pictures), DataErro
         }
     }
     if pictures.is_empty() {
-        let remedy = "give the folder that holds cameras_parameters.txt and the PNG files";
+        let hint = "give the folder that holds cameras_parameters.txt and the PNG files";
         let message = "holds no `<Scene>_undist_<moment>_<camera>.png`";
-        return Err(DataError::invalid(request.input, "folder", message, remedy));
+        return Err(DataError::invalid(request.input, "folder", message, hint));
     }
     Ok((scene, pictures))
 }

@@ -21,8 +21,7 @@ use crate::annotations::fill::Rule;
 use crate::annotations::four_d_langsplat;
 use crate::annotations::{AnnotatedObject, AnnotatedPicture, Annotations};
 
-const REMEDY: &str =
-    "call annotations as the pictures are called: <view>/<frame>, for example cam00/0120.png";
+const HINT: &str = "call annotations as the pictures are called: <view>/<frame>, for example cam00/0120.png";
 const MAX_BYTES: u64 = 64 << 20;
 
 /// What people drew with.
@@ -69,13 +68,13 @@ pub fn read(capture: &Capture, path: &Path, format: MaskFormat) -> Result<MaskSe
         let name = name_of(path, &label)?;
         if instances.iter().any(|other: &MaskedInstance| other.name == name) {
             let message = format!("`{}` and another label would both be called {name}", inert(&label));
-            let remedy = "give labels that differ in letters and digits";
-            return Err(DataError::invalid(path, "labels", message, remedy));
+            let hint = "give labels that differ in letters and digits";
+            return Err(DataError::invalid(path, "labels", message, hint));
         }
         instances.push(MaskedInstance { id, name, masks: masks_of(&placed, &label), label });
     }
     if instances.is_empty() {
-        return Err(DataError::invalid(path, "annotations", "nothing is drawn on any picture", REMEDY));
+        return Err(DataError::invalid(path, "annotations", "nothing is drawn on any picture", HINT));
     }
     notes.push(
         "an instance is everything of one label; give things that differ labels that differ".to_owned(),
@@ -144,7 +143,7 @@ fn dataset(capture: &Capture, folder: &Path, notes: &mut Vec<String>) -> Result<
 
 fn read_png(file: &Path) -> Result<AnnotatedPicture, DataError> {
     let picture = ids::decode(&read_bounded(file, MAX_BYTES)?)
-        .map_err(|error| DataError::invalid(file, "PNG", error.to_string(), error.remedy()))?;
+        .map_err(|error| DataError::invalid(file, "PNG", error.to_string(), error.hint()))?;
     let object = |id: u32| AnnotatedObject { label: format!("object_{id}"), mask: picture.mask(id) };
     Ok(AnnotatedPicture {
         file_name: String::new(),
@@ -162,7 +161,7 @@ fn place(capture: &Capture, file: &Path, name: &str, picture: AnnotatedPicture) 
     let (before, number) = stem.split_at(stem.len() - digits);
     let frame = number.parse().ok().ok_or_else(|| {
         let message = format!("`{}` does not end in the number of a frame", inert(name));
-        DataError::invalid(file, "name", message, REMEDY)
+        DataError::invalid(file, "name", message, HINT)
     })?;
     let called = before.trim_end_matches(['/', '_', '-']).rsplit('/').next().unwrap_or_default();
     let view = match capture.cameras.iter().find(|camera| camera.name.as_str() == called) {
@@ -179,7 +178,7 @@ fn only_view(capture: &Capture, file: &Path, name: &str) -> Result<Name, DataErr
         ([], [camera]) => Ok(camera.name.clone()),
         _ => {
             let message = format!("`{}` names no view, and more than one could be meant", inert(name));
-            Err(DataError::invalid(file, "name", message, REMEDY))
+            Err(DataError::invalid(file, "name", message, HINT))
         }
     }
 }
@@ -200,8 +199,8 @@ fn checked(
             "was drawn on {}x{}, but pictures of the capture are {}x{}",
             picture.width, picture.height, capture.width, capture.height
         );
-        let remedy = "annotate the pictures in `frames/` of the capture: its size and lens are theirs";
-        return Err(DataError::invalid(file, "size", message, remedy));
+        let hint = "annotate the pictures in `frames/` of the capture: its size and lens are theirs";
+        return Err(DataError::invalid(file, "size", message, hint));
     }
     Ok(Placed { view, frame, picture })
 }

@@ -40,14 +40,12 @@ struct Entry {
 pub(super) fn plan(request: &CaptureRequest<'_>) -> Result<Plan, DataError> {
     let path = request.input.join("transforms.json");
     let document: Transforms = json::read(&path)?;
-    let wrong =
-        |place: &str, message: String, remedy: &str| DataError::invalid(&path, place, message, remedy);
+    let wrong = |place: &str, message: String, hint: &str| DataError::invalid(&path, place, message, hint);
     let lenses = ["PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "SIMPLE_RADIAL", "RADIAL"];
     if let Some(model) = document.camera_model.as_deref().filter(|model| !lenses.contains(model)) {
         let message = format!("`{}` is no perspective lens", inert(model));
-        let remedy =
-            "undistort the pictures to a pinhole first (`ns-process-data --camera-type perspective`)";
-        return Err(wrong("field `camera_model`", message, remedy));
+        let hint = "undistort the pictures to a pinhole first (`ns-process-data --camera-type perspective`)";
+        return Err(wrong("field `camera_model`", message, hint));
     }
     let mut plan = Plan::new(vec![path.clone()]);
     let moments = moments(&document.frames);

@@ -68,8 +68,8 @@ fn camera_names(folder: &Path) -> Result<Vec<String>, DataError> {
     names.sort();
     names.dedup();
     if names.is_empty() {
-        let remedy = "put videos `cam00.mp4`, ... or pictures `cam00/images/0000.png`, ... there";
-        return Err(DataError::invalid(folder, "folder", "holds no camera", remedy));
+        let hint = "put videos `cam00.mp4`, ... or pictures `cam00/images/0000.png`, ... there";
+        return Err(DataError::invalid(folder, "folder", "holds no camera", hint));
     }
     Ok(names)
 }
@@ -95,8 +95,8 @@ fn stated_size(path: &Path, row: &[f64]) -> Result<[u32; 2], DataError> {
         (Some(width), Some(height)) => Ok([width, height]),
         _ => {
             let message = format!("states pictures of {}x{}", row[9], row[4]);
-            let remedy = "write height, width, focal length into columns 4, 9, 14";
-            Err(DataError::invalid(path, "column 4", message, remedy))
+            let hint = "write height, width, focal length into columns 4, 9, 14";
+            Err(DataError::invalid(path, "column 4", message, hint))
         }
     }
 }
@@ -122,7 +122,7 @@ fn extract(ffmpeg: &Path, video: &Path, folder: &Path) -> Result<Vec<PathBuf>, D
         .arg(folder.join("%06d.png"))
         .stdin(Stdio::null())
         .output();
-    let refuse = |message: String, remedy: &str| Err(DataError::invalid(video, "video", message, remedy));
+    let refuse = |message: String, hint: &str| Err(DataError::invalid(video, "video", message, hint));
     match output {
         Err(error) if error.kind() == ErrorKind::NotFound => {
             return refuse(

@@ -69,8 +69,8 @@ impl Plan {
             let view = self.views.iter_mut().find(|view| view.camera.name.as_str() == name);
             let Some(view) = view else {
                 let message = format!("has no view `{}` to hold out", inert(name));
-                let remedy = "name views as the capture does, with `--held-out`";
-                return Err(DataError::invalid(request.input, "views", message, remedy));
+                let hint = "name views as the capture does, with `--held-out`";
+                return Err(DataError::invalid(request.input, "views", message, hint));
             };
             view.camera.split = Split::Test;
         }
@@ -88,8 +88,8 @@ pub(crate) fn name_of(path: &Path, text: &str) -> Result<Name, DataError> {
     let allowed = |character: char| character.is_ascii_alphanumeric() || matches!(character, '_' | '-' | '.');
     let spelled: String = text.chars().map(|c| if allowed(c) { c } else { '_' }).collect();
     Name::new(spelled.trim_start_matches(['.', '-'])).map_err(|error| {
-        let remedy = "rename the picture and its entry";
-        DataError::invalid(path, "name of a view", inert(&error.to_string()), remedy)
+        let hint = "rename the picture and its entry";
+        DataError::invalid(path, "name of a view", inert(&error.to_string()), hint)
     })
 }
 
@@ -99,8 +99,8 @@ pub(super) fn inside(file: &Path, folder: &Path, relative: &str) -> Result<PathB
     let stays = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
     if !stays || relative.is_empty() {
         let message = format!("`{}` leaves the folder", inert(relative));
-        let remedy = "write paths relative to the folder";
-        return Err(DataError::invalid(file, "path of a picture", message, remedy));
+        let hint = "write paths relative to the folder";
+        return Err(DataError::invalid(file, "path of a picture", message, hint));
     }
     Ok(folder.join(path))
 }

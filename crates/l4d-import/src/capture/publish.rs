@@ -48,8 +48,8 @@ pub fn publish(
     let dir = BenchDir::new(bench);
     let manifest = manifest(&dir, &capture.name)?;
     let path = dir.truth(Profile::Real, &capture.name);
-    let remedy = "give another --bench or --name, or replace it with --force";
-    write_unless_held(&path, &json::compact(&path, &truth)?, force, remedy)?;
+    let hint = "give another --bench or --name, or replace it with --force";
+    write_unless_held(&path, &json::compact(&path, &truth)?, force, hint)?;
     let queries = dir.queries(&capture.name);
     if !queries.exists() {
         write_atomic(&queries, b"")?;
@@ -80,8 +80,8 @@ fn manifest(dir: &BenchDir, scene: &Name) -> Result<Option<Manifest>, DataError>
     let mut manifest = Benchmark::open(dir.root())?.manifest;
     if let Some(rendered) = manifest.scenes.iter().find(|scene| dir.tracks(scene).exists()) {
         let message = format!("holds the rendered scene {rendered}");
-        let remedy = "give real scenes a folder of their own with --bench";
-        return Err(DataError::invalid(dir.root(), "folder", message, remedy));
+        let hint = "give real scenes a folder of their own with --bench";
+        return Err(DataError::invalid(dir.root(), "folder", message, hint));
     }
     if manifest.scenes.contains(scene) {
         return Ok(None);
@@ -131,14 +131,14 @@ fn judged_view<'a>(capture: &'a Capture, set: &MaskSet) -> Result<&'a Camera, Da
     match drawn.as_slice() {
         [camera] => Ok(camera),
         [] => {
-            let remedy = "hold a view out (--held-out) and draw on its pictures";
-            Err(DataError::invalid(Path::new(MASKS), "views", "nothing is drawn on a held-out view", remedy))
+            let hint = "hold a view out (--held-out) and draw on its pictures";
+            Err(DataError::invalid(Path::new(MASKS), "views", "nothing is drawn on a held-out view", hint))
         }
         several => {
             let names: Vec<&str> = several.iter().map(|camera| camera.name.as_str()).collect();
             let message = format!("several held-out views have masks: {}", names.join(", "));
-            let remedy = "hold out the one that is judged (--held-out)";
-            Err(DataError::invalid(Path::new(MASKS), "views", message, remedy))
+            let hint = "hold out the one that is judged (--held-out)";
+            Err(DataError::invalid(Path::new(MASKS), "views", message, hint))
         }
     }
 }

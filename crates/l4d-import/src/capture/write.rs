@@ -31,8 +31,8 @@ pub(super) fn write(
     plan.views.sort_by(|a, b| a.camera.name.cmp(&b.camera.name));
     if let Some(pair) = plan.views.windows(2).find(|pair| pair[0].camera.name == pair[1].camera.name) {
         let message = format!("two views would be called {}", pair[0].camera.name);
-        let remedy = "give pictures names that differ in letters and digits";
-        return Err(DataError::invalid(request.input, "views", message, remedy));
+        let hint = "give pictures names that differ in letters and digits";
+        return Err(DataError::invalid(request.input, "views", message, hint));
     }
     let frames: BTreeSet<u32> = plan.views.iter().flat_map(|view| view.pictures.keys().copied()).collect();
     let size = size_of(request, &plan)?;
@@ -92,8 +92,8 @@ pub(super) fn write(
 fn claim(request: &CaptureRequest<'_>) -> Result<(), DataError> {
     make_folder(request.out)?;
     let refuse = |message: String| {
-        let remedy = "choose an empty folder with --out, or remove this one";
-        Err(DataError::invalid(request.out, "folder", message, remedy))
+        let hint = "choose an empty folder with --out, or remove this one";
+        Err(DataError::invalid(request.out, "folder", message, hint))
     };
     let path = request.out.join(CAPTURE);
     let claim = request.out.join(CLAIM);
@@ -156,8 +156,8 @@ fn size_of(request: &CaptureRequest<'_>, plan: &Plan) -> Result<[u32; 2], DataEr
     });
     found.map(|(width, height)| [width, height]).ok_or_else(|| {
         let message = "none of them is there and whole";
-        let remedy = "check the folder and `--moments`";
-        DataError::invalid(request.input, "pictures", message, remedy)
+        let hint = "check the folder and `--moments`";
+        DataError::invalid(request.input, "pictures", message, hint)
     })
 }
 
@@ -205,8 +205,8 @@ fn write_view(
     if let Some((_, why)) = waiting.first() {
         let message = format!("no picture is whole: {why}");
         let place = format!("view {}", view.camera.name);
-        let remedy = "restore the pictures from the data set";
-        return Err(DataError::invalid(request.input, place, message, remedy));
+        let hint = "restore the pictures from the data set";
+        return Err(DataError::invalid(request.input, place, message, hint));
     }
     substituted.sort_by_key(|substitution| substitution.frame);
     Ok(substituted)

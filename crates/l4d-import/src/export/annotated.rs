@@ -15,7 +15,7 @@ pub(super) fn cameras(views: &SceneViews) -> Result<Vec<&Camera>, DataError> {
     if !cameras.is_empty() {
         return Ok(cameras);
     }
-    let (message, remedy) = match held_out.into_iter().any(is_annotated) {
+    let (message, hint) = match held_out.into_iter().any(is_annotated) {
         true => (
             "masks are there for the held-out view alone, and they are the truth",
             "draw on pictures of training views, or show the truth with `--held-out pictures`",
@@ -25,7 +25,7 @@ pub(super) fn cameras(views: &SceneViews) -> Result<Vec<&Camera>, DataError> {
             "bring them in with `l4d import-scene --masks ... --masks-format ...`",
         ),
     };
-    Err(views.wrong("masks", message.to_owned(), remedy))
+    Err(views.wrong("masks", message.to_owned(), hint))
 }
 
 /// Says what such an export is.

@@ -35,7 +35,8 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
 /// The truth of an request, and the camera that it is of.
 pub(super) fn camera<'a>(job: &Job<'a>) -> Result<(&'a Judged<'a>, &'a Camera), DataError> {
     let Job { request, views, .. } = job;
-    let judged = request.judged.ok_or_else(|| limit(views, "name", "its queries and truth were not given"))?;
+    let judged =
+        request.judged.ok_or_else(|| limit(views, "name", "its queries and truth were not given"))?;
     let truth = judged.truth();
     let is_ours = truth.scene == views.name && truth.profile == views.profile;
     match views.camera(&truth.test_view) {

@@ -171,8 +171,8 @@ impl Folder {
         let lock = FolderLock::take(request.out)?;
         let path = request.out.join(EXPORT_CARD);
         let refuse = |message: String| {
-            let remedy = "choose an empty folder, or remove this one";
-            Err(DataError::invalid(request.out, "folder", message, remedy))
+            let hint = "choose an empty folder, or remove this one";
+            Err(DataError::invalid(request.out, "folder", message, hint))
         };
         if path.is_file() {
             let earlier: Manifest = json::read(&path)?;

@@ -85,8 +85,8 @@ impl SceneViews {
             views.notes = recording.notes(&views.frames);
         }
         if views.training().is_empty() {
-            let remedy = "leave a view out of the held-out ones";
-            return Err(views.wrong("field `cameras`", "there is none to train on".to_owned(), remedy));
+            let hint = "leave a view out of the held-out ones";
+            return Err(views.wrong("field `cameras`", "there is none to train on".to_owned(), hint));
         }
         views.reconstruction = match (request.points_from, &views.material) {
             (Some(folder), _) => Some(Reconstruction::given(folder, &views.cameras, &views.frames)?),
@@ -229,8 +229,8 @@ impl SceneViews {
     }
 
     /// A problem of the file that describes the scene.
-    pub(super) fn wrong(&self, place: &str, message: String, remedy: &str) -> DataError {
-        DataError::invalid(&self.path, place, message, remedy)
+    pub(super) fn wrong(&self, place: &str, message: String, hint: &str) -> DataError {
+        DataError::invalid(&self.path, place, message, hint)
     }
 
     fn placeholder(&self) -> RgbImage {

@@ -1,7 +1,7 @@
 //! What a found file holds: masks, with as much of "which sentence, which frame" as the file itself says.
 //!
 //! Files are taken as hostile: sizes are checked before room is made, and what is no answer is reported with its
-//! place and a remedy. Videos and JPEG are refused: they are lossy, and a threshold on them moves outlines.
+//! place and a hint. Videos and JPEG are refused: they are lossy, and a threshold on them moves outlines.
 
 mod maps;
 mod records;

@@ -14,7 +14,7 @@ use super::inside::Inside;
 use super::relevancy::Rules;
 use super::template::Template;
 
-const REMEDY: &str = "see docs/import/presets.md";
+const HINT: &str = "see docs/import/presets.md";
 
 /// What is known of a method's files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -136,19 +136,19 @@ impl Preset {
         }
         let path = Path::new(name);
         if path.extension().is_some_and(|extension| extension == "toml") {
-            return toml_file::read(path, REMEDY).and_then(|preset| Self::checked(path, preset));
+            return toml_file::read(path, HINT).and_then(|preset| Self::checked(path, preset));
         }
         let known: Vec<&str> = BUILT_IN.iter().map(|(name, _)| *name).collect();
-        let remedy = format!("give a .toml file, or one of: {}", known.join(", "));
-        Err(DataError::invalid(path, "format", "is no known format and no .toml file", remedy))
+        let hint = format!("give a .toml file, or one of: {}", known.join(", "));
+        Err(DataError::invalid(path, "format", "is no known format and no .toml file", hint))
     }
 
     fn parse(path: &Path, text: &str) -> Result<Self, DataError> {
-        toml_file::parse(path, text, REMEDY).and_then(|preset| Self::checked(path, preset))
+        toml_file::parse(path, text, HINT).and_then(|preset| Self::checked(path, preset))
     }
 
     fn checked(path: &Path, preset: Self) -> Result<Self, DataError> {
-        let invalid = |place: &str, message: String| DataError::invalid(path, place, message, REMEDY);
+        let invalid = |place: &str, message: String| DataError::invalid(path, place, message, HINT);
         let claims = preset.claims.iter().map(|claims| &claims.template);
         let images = preset.images.iter().map(|images| &images.template);
         let of_latents = preset.latents.iter().flat_map(|latents| {

@@ -162,8 +162,8 @@ impl Template {
             } else if metadata.is_file() && is_last {
                 if hits.len() == MOST_FILES {
                     let message = format!("holds more than {MOST_FILES} files that fit `{self}`");
-                    let remedy = "give the folder of one method";
-                    return Err(DataError::invalid(folder, "folder", message, remedy));
+                    let hint = "give the folder of one method";
+                    return Err(DataError::invalid(folder, "folder", message, hint));
                 }
                 hits.push(Hit { path, captures: found });
             }

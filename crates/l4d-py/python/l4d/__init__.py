@@ -2,7 +2,7 @@
 
 Metres, seconds, radians; the world is right-handed, +Z up; cameras have OpenCV axes; the centre of pixel (column, row)
 is (column + 0.5, row + 0.5). Arrays are row-major: pictures are (H, W, ...), clips (T, H, W, ...).
-Whatever goes wrong raises `L4dError`, with path, field and remedy. `l4d.torch` needs PyTorch, and is imported when it is
+Whatever goes wrong raises `L4dError`, with path, field and hint. `l4d.torch` needs PyTorch, and is imported when it is
 first named.
 """
 

@@ -92,9 +92,9 @@ class Scenes(Dataset[Sample]):
         exact_depth: bool = True,
     ) -> None:
         if unknown := [part for part in parts if part not in _PARTS]:
-            raise L4dError(f"there is no `{unknown[0]}`", field="parts", remedy=f"choose among {', '.join(_PARTS)}")
+            raise L4dError(f"there is no `{unknown[0]}`", field="parts", hint=f"choose among {', '.join(_PARTS)}")
         if split not in ("train", "test", None):
-            raise L4dError(f"there is no `{split}`", field="split", remedy="choose among train, test and None")
+            raise L4dError(f"there is no `{split}`", field="split", hint="choose among train, test and None")
         self.parts = tuple(part for part in _PARTS if part in parts)
         self.exact_depth = exact_depth
         self._split = split
@@ -106,8 +106,8 @@ class Scenes(Dataset[Sample]):
             self._add(path)
         if not self._items:
             message = "holds no picture of what was asked for"
-            remedy = "give folders of scenes or tar shards, and see `split`, `scenes`, `views` and `frames`"
-            raise L4dError(message, path=", ".join(map(str, given)), remedy=remedy)
+            hint = "give folders of scenes or tar shards, and see `split`, `scenes`, `views` and `frames`"
+            raise L4dError(message, path=", ".join(map(str, given)), hint=hint)
         self._forget()
 
     def __len__(self) -> int:
@@ -176,15 +176,15 @@ class Scenes(Dataset[Sample]):
                         members = samples.setdefault(f"{folder}/{stem}", {})
                         members[suffix] = _Member(member.offset_data, member.size)
         except (OSError, tarfile.TarError) as error:
-            raise L4dError(f"is no whole tar file: {error}", path=str(path), remedy="fetch it again") from error
+            raise L4dError(f"is no whole tar file: {error}", path=str(path), hint="fetch it again") from error
         needed = {"json"}.union(*(_MEMBERS[part] for part in self.parts))
         if not self.exact_depth:
             needed.discard("depth_rest.png")
         with open(path, "rb") as file:
             for key, members in samples.items():
                 if missing := needed - set(members):
-                    remedy = "give shards of `l4d release`"
-                    raise L4dError(f"has no .{min(missing)}", path=str(path), field=key, remedy=remedy)
+                    hint = "give shards of `l4d release`"
+                    raise L4dError(f"has no .{min(missing)}", path=str(path), field=key, hint=hint)
                 scene, view, frame = key.split("/")
                 if not self._wants(scene, view, int(frame)):
                     continue

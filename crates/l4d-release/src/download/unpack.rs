@@ -15,7 +15,7 @@ use tar::Archive;
 
 use super::Decode;
 
-const REMEDY: &str = "move it away, or name other folders with --data, --work and --bench";
+const HINT: &str = "move it away, or name other folders with --data, --work and --bench";
 const DAMAGED: &str = "ask the publisher of the release";
 /// So many samples are in memory at a time.
 const AT_ONCE: usize = 16;
@@ -35,7 +35,7 @@ pub(super) fn unpack(
         if file.is_empty() || !stays_inside {
             return Err(refuse());
         }
-        write_unless_held(&target.join(file), &bytes, false, REMEDY)?;
+        write_unless_held(&target.join(file), &bytes, false, HINT)?;
         written.insert(file.to_owned(), sha256_hex(&bytes));
         Ok(())
     })?;
@@ -108,7 +108,7 @@ impl Frames<'_> {
         let bytes = (self.decode)(&sample, members)?;
         let folder = SceneDir::new(Path::new(""), "");
         let file = folder.frame(&camera.name, frame).to_string_lossy().replace('\\', "/");
-        write_unless_held(&self.target.join(&file), &bytes, false, REMEDY)?;
+        write_unless_held(&self.target.join(&file), &bytes, false, HINT)?;
         Ok((file, sha256_hex(&bytes)))
     }
 }

@@ -404,6 +404,6 @@ fn is_picture(name: &str) -> bool {
 }
 
 fn unreadable(path: &Path, error: PhotoError) -> DataError {
-    let remedy = "delete the file and run the command again";
-    DataError::invalid(path, "picture", error.to_string(), remedy)
+    let hint = "delete the file and run the command again";
+    DataError::invalid(path, "picture", error.to_string(), hint)
 }

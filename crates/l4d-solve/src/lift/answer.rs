@@ -34,7 +34,7 @@ const FILES: TensorFileKind = TensorFileKind {
     // An answer's takes about a thousand.
     longest_header: 1 << 16,
     longest_file: 4 << 30,
-    remedy: "lift the answer again",
+    hint: "lift the answer again",
 };
 
 /// An answer over Gaussians and time. It means nothing for another model than the one that it was lifted onto.

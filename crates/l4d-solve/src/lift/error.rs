@@ -28,14 +28,14 @@ pub enum LiftError {
         message: String,
     },
     /// A setting with which nothing can be lifted.
-    #[error("lift setting `{field}` is {value}: {remedy}")]
+    #[error("lift setting `{field}` is {value}: {hint}")]
     Setting {
         /// Name of the field.
         field: &'static str,
         /// What is there.
         value: f64,
         /// What may be there.
-        remedy: &'static str,
+        hint: &'static str,
     },
     /// A camera that cannot be drawn from.
     #[error("view `{view}`")]
@@ -77,7 +77,7 @@ pub(super) fn check_ranges<const N: usize>(
     settings: [(&'static str, f64, RangeInclusive<f64>, &'static str); N],
 ) -> Result<(), LiftError> {
     match settings.into_iter().find(|(_, value, range, _)| !range.contains(value)) {
-        Some((field, value, _, remedy)) => Err(LiftError::Setting { field, value, remedy }),
+        Some((field, value, _, hint)) => Err(LiftError::Setting { field, value, hint }),
         None => Ok(()),
     }
 }

@@ -26,9 +26,9 @@ use crate::deform::{DeformConfig, DeformationField, PREFIX};
 use crate::gaussians::{Gaussians, ShDegree};
 use crate::language::{Language, is_language};
 
-const REMEDY_FOLDER: &str =
+const HINT_FOLDER: &str =
     "give the folder that 4DGaussians trained into: it holds cfg_args and point_cloud/iteration_<N>";
-const REMEDY_ONE_SAVE: &str = "take all files of the iteration folder from the same save";
+const HINT_ONE_SAVE: &str = "take all files of the iteration folder from the same save";
 
 /// Stage of training at which a model was saved, the later the larger. 4D LangSplat's have names of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -182,7 +182,7 @@ impl ForeignModel {
 /// Files that are missing, damaged or do not belong together, and options that change what the field computes.
 pub fn read(model: &Path, reader_options: ReaderOptions) -> Result<ForeignModel, DataError> {
     let folder = model.join("point_cloud");
-    let missing = |message| DataError::invalid(model, "folder `point_cloud`", message, REMEDY_FOLDER);
+    let missing = |message| DataError::invalid(model, "folder `point_cloud`", message, HINT_FOLDER);
     if !folder.is_dir() {
         return Err(missing("is missing"));
     }
@@ -312,7 +312,7 @@ fn check_harmonics(gaussians: &Gaussians, config: &DeformConfig) -> Result<(), F
     let (head, stored) = (config.sh_coefficients, gaussians.sh_degree.coefficients());
     if !config.no_dshs && head != stored {
         let message = format!("changes {head} coefficients a channel, but point_cloud.ply has {stored}");
-        return Err(Fault::new("parameter `deformation_net.shs_deform.3.bias`", message, REMEDY_ONE_SAVE));
+        return Err(Fault::new("parameter `deformation_net.shs_deform.3.bias`", message, HINT_ONE_SAVE));
     }
     Ok(())
 }

@@ -29,7 +29,7 @@ pub const CARD: &str = "checkpoint.json";
 /// No `checkpoint.json` is longer, bytes: the state of training takes a few thousand.
 const MAX_CARD_BYTES: u64 = 4 << 20;
 
-const REMEDY: &str = "copy the whole checkpoint folder again, or train again";
+const HINT: &str = "copy the whole checkpoint folder again, or train again";
 
 const KIND: TensorFileKind = TensorFileKind {
     card: CARD,
@@ -38,7 +38,7 @@ const KIND: TensorFileKind = TensorFileKind {
     // A model's takes about 10 000.
     longest_header: 1 << 20,
     longest_file: MAX_BYTES,
-    remedy: REMEDY,
+    hint: HINT,
 };
 
 /// Names of the tensors, or what they begin with.
@@ -141,7 +141,7 @@ impl Card {
         }
         KIND.check(&self.tensors)?;
         ShDegree::new(self.sh_degree).ok_or_else(|| {
-            Fault::new("field `sh_degree`", format!("is {}, but degrees end at 3", self.sh_degree), REMEDY)
+            Fault::new("field `sh_degree`", format!("is {}, but degrees end at 3", self.sh_degree), HINT)
         })
     }
 }
@@ -218,7 +218,7 @@ fn decode(card: Card, degree: ShDegree, bytes: &[u8]) -> Result<Checkpoint, Faul
         Some(config) => Some(build_field(config, &field_tensors)?),
         None if field_tensors.is_empty() => None,
         None => {
-            return Err(Fault::new("field `deformation`", "is null, but the tensors hold a field", REMEDY));
+            return Err(Fault::new("field `deformation`", "is null, but the tensors hold a field", HINT));
         }
     };
     let checkpoint = Checkpoint {
@@ -269,7 +269,7 @@ fn check(checkpoint: &Checkpoint) -> Result<(), Fault> {
     }
     check_gaussians(gaussians)?;
     let count = gaussians.len();
-    let fault = |message: String| Fault::new("field `dynamic`", message, REMEDY);
+    let fault = |message: String| Fault::new("field `dynamic`", message, HINT);
     if let Some(pair) = dynamic.windows(2).find(|pair| pair[0] >= pair[1]) {
         return Err(fault(format!("has {} before {}, but the list ascends", pair[0], pair[1])));
     }
@@ -282,7 +282,7 @@ fn check(checkpoint: &Checkpoint) -> Result<(), Fault> {
     for (name, tensor) in &checkpoint.training.tensors {
         if element_count(&tensor.shape) != Some(tensor.data.len()) {
             let message = format!("has {} numbers for the shape {:?}", tensor.data.len(), tensor.shape);
-            return Err(Fault::new(quoted(name), message, REMEDY));
+            return Err(Fault::new(quoted(name), message, HINT));
         }
         tensor.check_finite(&quoted(name))?;
     }

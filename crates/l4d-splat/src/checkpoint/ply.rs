@@ -11,15 +11,15 @@ use l4d_data::store::{open_bounded, write_atomic};
 
 use l4d_formats::Fault;
 use l4d_formats::ply::{self, ElementDef, Ply};
-use l4d_formats::tensor::REMEDY_NOT_FINITE;
+use l4d_formats::tensor::HINT_NOT_FINITE;
 
 use crate::checkpoint::{MAX_BYTES, check_gaussians};
 use crate::gaussians::{Gaussians, ShDegree};
 
-const REMEDY_FOREIGN: &str =
+const HINT_FOREIGN: &str =
     "export the model as the PLY of 3DGS (x, y, z, f_dc_*, f_rest_*, opacity, scale_*, rot_*)";
 
-const REMEDY_COMPRESSED: &str =
+const HINT_COMPRESSED: &str =
     "export it as PLY without compression, or convert it: `splat-transform IN OUT.ply`";
 
 /// Reads a PLY file.
@@ -50,14 +50,10 @@ pub fn decode(bytes: &[u8]) -> Result<Gaussians, Fault> {
 fn read_from(source: impl BufRead + Seek) -> Result<Gaussians, Fault> {
     let file = Ply::open(source)?;
     let vertex = file.elements().iter().find(|element| element.name == "vertex").ok_or_else(|| {
-        Fault::new("header", "has no element `vertex`, in which Gaussians are stored", REMEDY_FOREIGN)
+        Fault::new("header", "has no element `vertex`, in which Gaussians are stored", HINT_FOREIGN)
     })?;
     if vertex.get_property("packed_position").is_some() {
-        return Err(Fault::new(
-            "header",
-            "is that of a compressed PLY, which is not read",
-            REMEDY_COMPRESSED,
-        ));
+        return Err(Fault::new("header", "is that of a compressed PLY, which is not read", HINT_COMPRESSED));
     }
     let degree = degree_of(vertex)?;
     let names = parameter_names(degree);
@@ -66,12 +62,12 @@ fn read_from(source: impl BufRead + Seek) -> Result<Gaussians, Fault> {
         let message = format!("{} Gaussians do not fit into memory: {error}", vertex.count);
         Fault::new("header", message, "check that this is the intended file, or allow more memory")
     })?;
-    file.rows("vertex", &names, REMEDY_FOREIGN, |index, row| {
+    file.rows("vertex", &names, HINT_FOREIGN, |index, row| {
         if let Some((value, name)) = row.iter().zip(&names).find(|(value, _)| !value.is_finite()) {
             return Err(Fault::new(
                 format!("Gaussian {index}, property `{name}`"),
                 format!("is {value}, but parameters are finite"),
-                REMEDY_NOT_FINITE,
+                HINT_NOT_FINITE,
             ));
         }
         push(&mut gaussians, row);
@@ -93,10 +89,10 @@ pub(super) fn read_language(path: &Path) -> Result<(Vec<f32>, usize), DataError>
         let count = properties.filter(|property| property.name.starts_with("f_lang_")).count();
         let names: Vec<String> = (0..count).map(|index| format!("f_lang_{index}")).collect();
         let mut values = Vec::new();
-        file.rows("vertex", &names, REMEDY_FOREIGN, |index, row| {
+        file.rows("vertex", &names, HINT_FOREIGN, |index, row| {
             if let Some(value) = row.iter().find(|value| !value.is_finite()) {
                 let place = format!("Gaussian {index}, properties `f_lang_*`");
-                return Err(Fault::new(place, format!("have {value}"), REMEDY_NOT_FINITE));
+                return Err(Fault::new(place, format!("have {value}"), HINT_NOT_FINITE));
             }
             values.extend_from_slice(row);
             Ok(())
@@ -155,7 +151,7 @@ fn degree_of(vertex: &ElementDef) -> Result<ShDegree, Fault> {
             Fault::new(
                 "header, properties `f_rest_*`",
                 format!("are {rest}, but degrees 0 to 3 of the harmonics have 0, 9, 24 or 45"),
-                REMEDY_FOREIGN,
+                HINT_FOREIGN,
             )
         })
 }

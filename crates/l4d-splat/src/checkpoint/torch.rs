@@ -8,7 +8,7 @@ use l4d_formats::{Fault, Tensor};
 use super::check_gaussians;
 use crate::gaussians::{Gaussians, ShDegree};
 
-const REMEDY: &str = "give a checkpoint of gsplat's simple_trainer (`ckpt_*.pt`), of 3DGS, 4DGaussians or 4D LangSplat \
+const HINT: &str = "give a checkpoint of gsplat's simple_trainer (`ckpt_*.pt`), of 3DGS, 4DGaussians or 4D LangSplat \
                       (`chkpnt*.pth`), or a PLY of 3DGS";
 
 /// What such a file holds.
@@ -38,7 +38,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Saved, Fault> {
     let first = match (file.items(&[]), file.items(&[Item(0)])) {
         (Some(2), Some(12)) => 2,
         (Some(2), Some(14 | 15)) if file.is_dict(&[Item(0), Item(2)]) => 4,
-        _ => return Err(Fault::new("top level", "is no checkpoint of Gaussians", REMEDY)),
+        _ => return Err(Fault::new("top level", "is no checkpoint of Gaussians", HINT)),
     };
     let tensor = |place: usize| tensor(&file, &[Item(0), Item(place)]);
     let [sh0, rest, log_scales, rotations, opacities] = [0, 1, 2, 3, 4].map(|next| tensor(first + next));
@@ -61,7 +61,7 @@ fn tensor(file: &Contents<'_>, path: &[Step<'_>]) -> Result<Tensor, Fault> {
 fn gaussians(lists: [Tensor; 4], sh0: &Tensor, rest: &Tensor) -> Result<Gaussians, Fault> {
     let count = sh0.data.len() / 3;
     let odd = |what: &str, tensor: &Tensor| {
-        Fault::new(what, format!("has the shape {:?} for {count} Gaussians", tensor.shape), REMEDY)
+        Fault::new(what, format!("has the shape {:?} for {count} Gaussians", tensor.shape), HINT)
     };
     let widths = [3, 3, 4, 1];
     let names = ["the centres", "the scales", "the rotations", "the opacities"];

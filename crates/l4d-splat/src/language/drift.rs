@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use l4d_formats::{Fault, Tensor};
 use rayon::prelude::*;
 
-use super::REMEDY;
+use super::HINT;
 use crate::deform::{PREFIX, matmul};
 
 /// Latents that go through the layers together.
@@ -36,7 +36,7 @@ impl Drift {
         let octaves = first.checked_sub(width + 1).filter(|rest| rest.is_multiple_of(2)).map(|rest| rest / 2);
         let octaves = octaves.filter(|octaves| *octaves <= MOST_OCTAVES).ok_or_else(|| {
             let message = format!("has {first} inputs, which are no latent of {width} numbers and a time");
-            Fault::new(name("1.weight"), message, REMEDY)
+            Fault::new(name("1.weight"), message, HINT)
         })?;
         let second = input_count("3", tensors)?;
         let third = input_count("5", tensors)?;
@@ -78,7 +78,7 @@ impl Layer {
                 Some(value) => format!("holds {value}: training has diverged"),
                 None => return Ok(tensor.data.clone()),
             };
-            Err(Fault::new(name, message, REMEDY))
+            Err(Fault::new(name, message, HINT))
         };
         Ok(Self { weight: part("weight", &[outputs, inputs])?, bias: part("bias", &[outputs])? })
     }
@@ -101,7 +101,7 @@ fn name(part: &str) -> String {
 }
 
 fn found<'a>(name: &str, tensors: &'a BTreeMap<String, Tensor>) -> Result<&'a Tensor, Fault> {
-    tensors.get(name).ok_or_else(|| Fault::new(name, "is missing", REMEDY))
+    tensors.get(name).ok_or_else(|| Fault::new(name, "is missing", HINT))
 }
 
 /// How many numbers a layer gets.
@@ -110,7 +110,7 @@ fn input_count(place: &str, tensors: &BTreeMap<String, Tensor>) -> Result<usize,
     let shape = &found(&name, tensors)?.shape;
     match shape.as_slice() {
         [outputs, inputs] if *outputs > 0 && *inputs > 0 => Ok(*inputs),
-        _ => Err(Fault::new(name, format!("has the shape {shape:?}, which is no layer"), REMEDY)),
+        _ => Err(Fault::new(name, format!("has the shape {shape:?}, which is no layer"), HINT)),
     }
 }
 

@@ -65,8 +65,8 @@ impl RasterSettings {
             ("transmittance_min", self.transmittance_min, 0.0..=0.5, "between 0 and 0.5"),
         ];
         match ranges.into_iter().find(|(_, value, range, _)| !range.contains(value)) {
-            Some((field, value, _, remedy)) => {
-                Err(RasterError::Invalid(format!("raster setting `{field}` is {value}: {remedy}")))
+            Some((field, value, _, hint)) => {
+                Err(RasterError::Invalid(format!("raster setting `{field}` is {value}: {hint}")))
             }
             None => Ok(()),
         }

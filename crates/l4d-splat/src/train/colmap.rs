@@ -7,7 +7,7 @@ use l4d_formats::colmap;
 
 use super::views::unit;
 
-const REMEDY: &str = "give the points3D.txt or points3D.bin of a COLMAP model";
+const HINT: &str = "give the points3D.txt or points3D.bin of a COLMAP model";
 
 /// Position (metres) and display colour (0 to 1).
 pub(crate) type ColouredPoint = ([f32; 3], [f32; 3]);
@@ -16,7 +16,7 @@ pub(crate) type ColouredPoint = ([f32; 3], [f32; 3]);
 pub(crate) fn read_points(path: &Path) -> Result<Vec<ColouredPoint>, DataError> {
     let points = colmap::read_points(path)?;
     if points.is_empty() {
-        return Err(DataError::invalid(path, "points", "there are none", REMEDY));
+        return Err(DataError::invalid(path, "points", "there are none", HINT));
     }
     let point = |point: colmap::ModelPoint| {
         let position = point.position.as_vec3();
@@ -24,7 +24,7 @@ pub(crate) fn read_points(path: &Path) -> Result<Vec<ColouredPoint>, DataError> 
             return Ok((position.to_array(), point.rgb.map(unit)));
         }
         let place = format!("point {}", point.id);
-        Err(DataError::invalid(path, place, format!("is at {position}"), REMEDY))
+        Err(DataError::invalid(path, place, format!("is at {position}"), HINT))
     };
     points.into_iter().map(point).collect()
 }

@@ -37,14 +37,14 @@ pub(crate) struct TrainingViews {
     cameras: Vec<TrainingCamera>,
 }
 
-/// Why pictures cannot be trained on: camera, moment, list, and the remedy.
+/// Why pictures cannot be trained on: camera, moment, list, and the hint.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub(crate) struct TrainingViewsError(String);
 
 impl TrainingViewsError {
-    pub(super) fn nothing(what: &str, remedy: &str) -> Self {
-        Self(format!("there are no {what}: {remedy}"))
+    pub(super) fn nothing(what: &str, hint: &str) -> Self {
+        Self(format!("there are no {what}: {hint}"))
     }
 }
 

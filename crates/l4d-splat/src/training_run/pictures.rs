@@ -105,8 +105,8 @@ impl PictureSource {
     fn of_capture(request: &TrainingRequest<'_>) -> Result<Self> {
         let TrainingRequest { dir, profile, .. } = request;
         let path = dir.rig(*profile);
-        let lacks_depth = |flag: &str, remedy: &str| {
-            Err(StageError::new(format!("{flag}: {} has no depth", path.display()), remedy.to_owned()))
+        let lacks_depth = |flag: &str, hint: &str| {
+            Err(StageError::new(format!("{flag}: {} has no depth", path.display()), hint.to_owned()))
         };
         if request.init == Some(Initialisation::Depth) {
             return lacks_depth("--init depth", "say --init sweep, which compares pictures");
@@ -203,8 +203,8 @@ impl PictureSource {
         let path = dir.picture(&camera.name, frame);
         let bytes = read_bounded(&path, MAX_BYTES)?;
         let wrong = |message: String| {
-            let remedy = "import the scene again with `l4d import-scene`";
-            DataError::invalid(&path, "picture", message, remedy)
+            let hint = "import the scene again with `l4d import-scene`";
+            DataError::invalid(&path, "picture", message, hint)
         };
         let picture = photo::decode(&bytes).map_err(|error| wrong(error.to_string()))?;
         let (width, height) = picture.dimensions();

@@ -80,7 +80,7 @@ fn values_that_are_not_finite_are_named() {
             fault.to_string(),
             format!("Gaussian 2, property `f_rest_17`: is {shown}, but parameters are finite")
         );
-        assert!(fault.remedy.contains("earlier checkpoint"), "{fault:?}");
+        assert!(fault.hint.contains("earlier checkpoint"), "{fault:?}");
     }
     let ascii = std::fs::read(ply_file("degree1_ascii_double.ply")).unwrap();
     let ascii = replaced(&ascii, "92.5", "1e300");

@@ -190,8 +190,8 @@ pub(super) fn remembered(path: &Path) -> Result<Option<BTreeMap<ItemId, Change>>
         csv::Reader::from_reader(bytes.as_slice()).deserialize().collect();
     let rows = rows.map_err(|error| {
         let line = error.position().map_or(0, csv::Position::line);
-        let remedy = "restore the file, or remove it and run `l4d verdict` again";
-        DataError::invalid(path, format!("line {line}"), error.to_string(), remedy)
+        let hint = "restore the file, or remove it and run `l4d verdict` again";
+        DataError::invalid(path, format!("line {line}"), error.to_string(), hint)
     })?;
     Ok(Some(rows.into_iter().map(|row| (row.item, row.change)).collect()))
 }

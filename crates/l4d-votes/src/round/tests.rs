@@ -31,7 +31,7 @@ fn two_items() -> Vec<Item> {
 fn refused(result: Result<Round, DataError>, expected: &str) {
     let error = result.unwrap_err();
     assert!(error.to_string().contains(expected) && !error.to_string().contains('\u{1b}'), "{error:?}");
-    assert!(!error.hint().is_empty(), "{error} has no remedy");
+    assert!(!error.hint().is_empty(), "{error} has no hint");
 }
 
 #[test]

@@ -34,10 +34,10 @@ impl DrawnIds {
     /// training view.
     pub(super) fn open(dir: SceneDir, size: [u32; 2], of: [u32; 2]) -> Result<Self, DataError> {
         let path = dir.root().join(MASKS);
-        let remedy = "draw on pictures of training views and run `l4d import-scene ... --masks-only`, or choose another grounder";
+        let hint = "draw on pictures of training views and run `l4d import-scene ... --masks-only`, or choose another grounder";
         if !path.exists() {
             let message = "the capture has no drawn masks, and the oracle knows nothing else";
-            return Err(DataError::invalid(&path, "file", message, remedy));
+            return Err(DataError::invalid(&path, "file", message, hint));
         }
         let capture = Capture::read(dir.root())?;
         let set = MaskSet::read(dir.root())?;
@@ -50,7 +50,7 @@ impl DrawnIds {
         let is_drawn = |one: &MaskedInstance| one.masks.keys().any(|view| training.contains(view));
         if !set.instances.iter().any(is_drawn) {
             let message = "nothing is drawn on a training view, and the oracle looks at no other";
-            return Err(DataError::invalid(&path, "views", message, remedy));
+            return Err(DataError::invalid(&path, "views", message, hint));
         }
         let instance = |one: &MaskedInstance| Instance {
             id: one.id,
@@ -83,19 +83,19 @@ impl IdSource for DrawnIds {
     }
 
     fn pixels_of(&self, view: &Name, frame: u32, ids: &[u32]) -> Result<Mask, DataError> {
-        let refuse = |message: String, remedy: &str| {
-            Err(DataError::invalid(&self.path, format!("view {view}, frame {frame}"), message, remedy))
+        let refuse = |message: String, hint: &str| {
+            Err(DataError::invalid(&self.path, format!("view {view}, frame {frame}"), message, hint))
         };
         if !self.training.contains(view) {
-            let remedy = "ask about training views: what is held out is for the judge alone";
-            return refuse("is no picture of a training view".to_owned(), remedy);
+            let hint = "ask about training views: what is held out is for the judge alone";
+            return refuse("is no picture of a training view".to_owned(), hint);
         }
         let key = frame_key(frame);
         let is_drawn =
             |one: &MaskedInstance| one.masks.get(view).is_some_and(|frames| frames.contains_key(&key));
         if !self.set.instances.iter().any(is_drawn) {
-            let remedy = "draw on it, or ask about fewer frames with --clip-every";
-            return refuse("no mask is drawn on this picture".to_owned(), remedy);
+            let hint = "draw on it, or ask about fewer frames with --clip-every";
+            return refuse("no mask is drawn on this picture".to_owned(), hint);
         }
         let mut pixels = Mask::empty(self.set.width, self.set.height);
         for one in self.set.instances.iter().filter(|one| ids.contains(&one.id)) {

@@ -46,16 +46,16 @@ impl Reconstruction {
         }
         if views.is_empty() {
             let message = "none of them is called like a view of the scene";
-            let remedy = "triangulate with the images and cameras of `l4d export --format colmap`";
-            return Err(DataError::invalid(folder, "images", message, remedy));
+            let hint = "triangulate with the images and cameras of `l4d export --format colmap`";
+            return Err(DataError::invalid(folder, "images", message, hint));
         }
         let mut points = Vec::with_capacity(model.points.len());
         for point in &model.points {
             if !point.position.is_finite() {
                 let place = format!("point {}", point.id);
                 let message = "has a position that is not finite";
-                let remedy = "triangulate the points again";
-                return Err(DataError::invalid(folder, place, message, remedy));
+                let hint = "triangulate the points again";
+                return Err(DataError::invalid(folder, place, message, hint));
             }
             let mut images: Vec<u32> = point.track.iter().map(|(image, _)| *image).collect();
             images.sort_unstable();
@@ -125,6 +125,6 @@ fn check_pose(
         return Ok(());
     }
     let message = "stands elsewhere than the view of that name: the model has a world of its own";
-    let remedy = "keep the poses (`colmap point_triangulator`): a mapper makes a new world";
-    Err(DataError::invalid(folder, format!("image {}", image.name), message, remedy))
+    let hint = "keep the poses (`colmap point_triangulator`): a mapper makes a new world";
+    Err(DataError::invalid(folder, format!("image {}", image.name), message, hint))
 }

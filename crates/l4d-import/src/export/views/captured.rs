@@ -18,7 +18,7 @@ use crate::export::cloud::Reconstruction;
 
 /// No picture of a capture is larger, bytes.
 const MAX_BYTES: u64 = 256 << 20;
-const REMEDY: &str = "run `l4d import-scene` again";
+const HINT: &str = "run `l4d import-scene` again";
 
 pub(super) struct Recording {
     dir: CaptureDir,
@@ -36,8 +36,8 @@ impl Recording {
             && (&masks.scene, [masks.width, masks.height]) != (&capture.name, size)
         {
             let message = format!("{} of {}x{} is another scene", masks.scene, masks.width, masks.height);
-            let remedy = "draw on this capture's pictures";
-            return Err(DataError::invalid(path, "field `scene`", message, remedy));
+            let hint = "draw on this capture's pictures";
+            return Err(DataError::invalid(path, "field `scene`", message, hint));
         }
         let instance = |drawn: &MaskedInstance| Instance {
             id: drawn.id,
@@ -67,7 +67,7 @@ impl Recording {
     pub(super) fn bytes(&self, camera: &Camera, frame: u32) -> Result<Vec<u8>, DataError> {
         let path = self.dir.picture(&camera.name, frame);
         let bytes = read_bounded(&path, MAX_BYTES)?;
-        let wrong = |message: String| DataError::invalid(&path, "picture", message, REMEDY);
+        let wrong = |message: String| DataError::invalid(&path, "picture", message, HINT);
         let (width, height) = photo::size(&bytes).map_err(|error| wrong(error.to_string()))?;
         if (width, height) != (self.capture.width, self.capture.height) {
             let expected = format!("{}x{}", self.capture.width, self.capture.height);
@@ -80,7 +80,7 @@ impl Recording {
         let bytes = self.bytes(camera, frame)?;
         photo::decode(&bytes).map_err(|error| {
             let path = self.dir.picture(&camera.name, frame);
-            DataError::invalid(&path, "picture", error.to_string(), REMEDY)
+            DataError::invalid(&path, "picture", error.to_string(), HINT)
         })
     }
 

@@ -14,7 +14,7 @@ use crate::annotations::coco::plain_runs;
 /// No file of run lengths is larger.
 const MAX_BYTES: u64 = 256 << 20;
 /// What to do about run lengths that are none.
-const REMEDY: &str =
+const HINT: &str =
     "write what pycocotools' mask.encode gives: {\"size\": [height, width], \"counts\": \"...\"}, or null";
 
 pub(super) fn read(path: &Path) -> Result<Vec<Piece>, Problem> {
@@ -41,7 +41,7 @@ fn of_sentence(value: &Value, name: Option<&str>, pieces: &mut Vec<Piece>) -> Re
     let sentence = name.map(|name| format!("[{}]", inert(name))).unwrap_or_default();
     let mut add = |value: &Value, place: Option<Place>, key: String| {
         let mask = mask(value)
-            .map_err(|message| Problem::unreadable(format!("entry {sentence}{key}"), message, REMEDY))?;
+            .map_err(|message| Problem::unreadable(format!("entry {sentence}{key}"), message, HINT))?;
         pieces.push(Piece { name: name.map(str::to_owned), place, mask });
         Ok(())
     };
@@ -54,7 +54,7 @@ fn of_sentence(value: &Value, name: Option<&str>, pieces: &mut Vec<Piece>) -> Re
             frames.iter().try_for_each(|(key, item)| {
                 let place = key.parse().ok().map(Place::Frame).ok_or_else(|| {
                     let message = "has a key that is neither sentence nor frame";
-                    Problem::unreadable(format!("entry {sentence}[{}]", inert(key)), message, REMEDY)
+                    Problem::unreadable(format!("entry {sentence}[{}]", inert(key)), message, HINT)
                 })?;
                 add(item, Some(place), format!("[{key}]"))
             })

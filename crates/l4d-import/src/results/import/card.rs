@@ -54,8 +54,8 @@ pub fn write(
         if holds(&dir, &card, imported) {
             return Ok(dir.root().to_owned());
         }
-        let remedy = "give another --name, or replace what is there with --force";
-        return Err(DataError::invalid(dir.root(), "folder", "holds results already", remedy));
+        let hint = "give another --name, or replace what is there with --force";
+        return Err(DataError::invalid(dir.root(), "folder", "holds results already", hint));
     }
     write_atomic(&claim, b"")?;
     // Old answers must not mix with new ones, nor an old card with either.

@@ -36,8 +36,8 @@ impl FrameOrder {
             "-" => Ok(None),
             number => number.parse().map(Some).map_err(|_number| {
                 let message = format!("`{}` is neither a frame nor `-`", l4d_data::error::inert(number));
-                let remedy = "write one line a rendered picture: the number of its frame, or - for pictures of other cameras";
-                DataError::invalid(path, format!("line {}", index + 1), message, remedy)
+                let hint = "write one line a rendered picture: the number of its frame, or - for pictures of other cameras";
+                DataError::invalid(path, format!("line {}", index + 1), message, hint)
             }),
         }
         };

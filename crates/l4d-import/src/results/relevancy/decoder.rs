@@ -87,8 +87,8 @@ impl Decoder {
             let known = tensors.keys().take(6).map(String::as_str).collect::<Vec<_>>().join(", ");
             let (count, known) = (numbers.len(), quoted(&known));
             let message = format!("has {count} layers called `decoder.<n>.weight` (it has {known})");
-            let remedy = "give the autoencoder's best_ckpt.pth, not the checkpoint of the Gaussians";
-            return Err(Fault::new("state dict", message, remedy));
+            let hint = "give the autoencoder's best_ckpt.pth, not the checkpoint of the Gaussians";
+            return Err(Fault::new("state dict", message, hint));
         }
         let layers: Vec<Layer> =
             numbers.iter().map(|&number| layer(tensors, number)).collect::<Result<_, _>>()?;
@@ -104,8 +104,8 @@ impl Decoder {
 }
 
 fn fault(parameter: &str, message: String) -> Fault {
-    let remedy = "give the whole state dict of one autoencoder: linear layers, as the originals build them";
-    Fault::new(format!("parameter `{parameter}`"), message, remedy)
+    let hint = "give the whole state dict of one autoencoder: linear layers, as the originals build them";
+    Fault::new(format!("parameter `{parameter}`"), message, hint)
 }
 
 fn layer(tensors: &BTreeMap<String, Tensor>, number: usize) -> Result<Layer, Fault> {

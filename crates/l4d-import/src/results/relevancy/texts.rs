@@ -10,7 +10,7 @@ use l4d_formats::npy::Contents;
 /// Sentences of one file.
 const MOST: usize = 10_000;
 /// What to do about a file that this module refuses.
-const REMEDY: &str = "make it with docs/import/export_text_embeddings.py";
+const HINT: &str = "make it with docs/import/export_text_embeddings.py";
 
 /// Vectors of one width and length 1.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +89,7 @@ impl TextsFile {
         let names = arrays::names(path)?;
         let has = |name: &str| names.iter().any(|known| known == name);
         let fault = |place: &str, message: String| {
-            DataError::invalid(path, format!("array `{place}`"), message, REMEDY)
+            DataError::invalid(path, format!("array `{place}`"), message, HINT)
         };
         let text = |name: &str| match arrays::read_contents(path, Some(name))? {
             Contents::Text(texts) => Ok(texts),
@@ -115,7 +115,7 @@ impl TextsFile {
 
 fn vectors(path: &Path, name: &str) -> Result<(usize, Vec<f32>), DataError> {
     let array = arrays::read(path, Some(name))?;
-    let fault = |message: String| DataError::invalid(path, format!("array `{name}`"), message, REMEDY);
+    let fault = |message: String| DataError::invalid(path, format!("array `{name}`"), message, HINT);
     let [count, width] = array.shape[..] else {
         return Err(fault(format!("has the shape {:?}, but a row a sentence belongs here", array.shape)));
     };

@@ -45,7 +45,7 @@ fn answers_on_disk_replace_each_other_and_name_their_model() {
         whole: "an answer",
         longest_header: 1 << 16,
         longest_file: 1 << 30,
-        remedy: "-",
+        hint: "-",
     };
     let answers = [
         (closed(), serde_json::json!({ "labels": { "times": 5, "states": 2 } }), "states", vec![2, 400]),

@@ -9,7 +9,7 @@ use l4d_formats::fault::quoted;
 use l4d_formats::python::{Literal, namespace};
 use l4d_formats::{Fault, Tensor};
 
-use crate::checkpoint::REMEDY_PAIR;
+use crate::checkpoint::HINT_PAIR;
 use crate::deform::{DeformConfig, PREFIX, TimeAxis, plane_name};
 
 /// No `cfg_args` is longer, bytes: real ones have about 3000.
@@ -18,7 +18,7 @@ const MAX_OPTIONS_BYTES: u64 = 1 << 16;
 const MOST_LEVELS: usize = 16;
 const LARGEST_MULTIPLIER: u32 = 1024;
 
-const REMEDY_UNSUPPORTED: &str = "train without this option: no configuration of the original uses it";
+const HINT_UNSUPPORTED: &str = "train without this option: no configuration of the original uses it";
 
 /// The configuration of the field whose parameters are `tensors`.
 ///
@@ -26,7 +26,7 @@ const REMEDY_UNSUPPORTED: &str = "train without this option: no configuration of
 pub(super) fn derive(options: &Options, tensors: &BTreeMap<String, Tensor>) -> Result<DeformConfig, Fault> {
     for unsupported in ["no_grid", "empty_voxel", "static_mlp", "apply_rotation", "antialiasing"] {
         if options.switch(unsupported, false)? {
-            return Err(options.fault(unsupported, "is on, which is not computed here", REMEDY_UNSUPPORTED));
+            return Err(options.fault(unsupported, "is on, which is not computed here", HINT_UNSUPPORTED));
         }
     }
     for (option, most) in [("grid_pe", 0), ("defor_depth", 1)] {
@@ -34,7 +34,7 @@ pub(super) fn derive(options: &Options, tensors: &BTreeMap<String, Tensor>) -> R
             return Err(options.fault(
                 option,
                 format!("is above {most}, and such a field computes something else"),
-                REMEDY_UNSUPPORTED,
+                HINT_UNSUPPORTED,
             ));
         }
     }
@@ -43,7 +43,7 @@ pub(super) fn derive(options: &Options, tensors: &BTreeMap<String, Tensor>) -> R
     let levels = (0..).take_while(|&level| tensors.contains_key(&plane_name(level, 0))).count();
     if levels != multires.len() {
         let message = format!("has {} levels, but the parameters have {levels}", multires.len());
-        return Err(options.fault("multires", message, REMEDY_PAIR));
+        return Err(options.fault("multires", message, HINT_PAIR));
     }
     let coarsest = multires[0] as usize;
     let [xy, xz, xt] = [0, 1, 2].map(|pair| axes(tensors, &plane_name(0, pair), 4));
@@ -68,7 +68,7 @@ pub(super) fn derive(options: &Options, tensors: &BTreeMap<String, Tensor>) -> R
 
 /// The shape of a parameter that must have `count` axes, none of them empty.
 fn axes<'a>(tensors: &'a BTreeMap<String, Tensor>, name: &str, count: usize) -> Result<&'a [usize], Fault> {
-    let fault = |message: String| Fault::new(format!("parameter `{name}`"), message, REMEDY_PAIR);
+    let fault = |message: String| Fault::new(format!("parameter `{name}`"), message, HINT_PAIR);
     let shape = &tensors.get(name).ok_or_else(|| fault("is missing".to_owned()))?.shape;
     if shape.len() != count || shape.contains(&0) {
         return Err(fault(format!("has the shape {shape:?}, but {count} axes with numbers belong there")));
@@ -118,16 +118,12 @@ impl Options {
         }
     }
 
-    fn fault(&self, option: &str, message: impl Into<String>, remedy: &'static str) -> Fault {
-        Fault::new(format!("cfg_args, option `{option}`"), message, remedy)
+    fn fault(&self, option: &str, message: impl Into<String>, hint: &'static str) -> Fault {
+        Fault::new(format!("cfg_args, option `{option}`"), message, hint)
     }
 
     fn kind(&self, option: &str, value: &Literal, kind: &str) -> Fault {
-        self.fault(
-            option,
-            format!("is {}, but {kind} belongs there", quoted(&value.to_string())),
-            REMEDY_PAIR,
-        )
+        self.fault(option, format!("is {}, but {kind} belongs there", quoted(&value.to_string())), HINT_PAIR)
     }
 
     /// An option that older runs do not have is at the original's default.
@@ -150,7 +146,7 @@ impl Options {
 
     fn multires(&self) -> Result<Vec<u32>, Fault> {
         const NAME: &str = "multires";
-        let value = self.get(NAME).ok_or_else(|| self.fault(NAME, "is missing", REMEDY_PAIR))?;
+        let value = self.get(NAME).ok_or_else(|| self.fault(NAME, "is missing", HINT_PAIR))?;
         let Literal::List(items) = value else {
             return Err(self.kind(NAME, value, "a list"));
         };
