@@ -47,7 +47,6 @@ pub struct SceneInfo {
     pub frames_per_second: Option<f64>,
     /// Whether pictures were taken, and objects drawn by people, instead of both being rendered.
     pub is_capture: bool,
-    /// By number.
     pub objects: Vec<Object>,
 }
 

@@ -25,7 +25,6 @@ pub struct ArrangeOptions<'o> {
     pub samples: u32,
     /// Receives a folder for each layout.
     pub out: &'o Path,
-    /// Logs.
     pub work: &'o SharedWork,
     /// Workers at once.
     pub jobs: usize,
@@ -36,7 +35,6 @@ pub struct ArrangeOptions<'o> {
 pub struct Arranged {
     /// By this run.
     pub made: u64,
-    /// Before it.
     pub kept: u64,
 }
 

@@ -18,7 +18,6 @@ use crate::settle::{commit, commit_truth, settle};
 /// What is to be built.
 #[derive(Debug)]
 pub struct BuildRequest<'a> {
-    /// Recipes.
     pub scenes: &'a [Name],
     /// Of those in Python.
     pub seed: u64,

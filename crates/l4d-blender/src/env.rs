@@ -48,7 +48,6 @@ pub struct PythonChoice {
 /// What an interpreter has.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Probe {
-    /// Of Python.
     pub version: String,
     /// Module -> version.
     pub modules: std::collections::BTreeMap<String, String>,

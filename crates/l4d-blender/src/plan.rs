@@ -32,7 +32,6 @@ struct PlanCard {
 /// What a scene is built from.
 #[derive(Debug, Clone)]
 pub struct Recipe {
-    /// Which scene.
     pub scene: Name,
     /// Of everything random.
     pub seed: u64,

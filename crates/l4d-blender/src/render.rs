@@ -41,7 +41,6 @@ pub(crate) struct RenderSettings {
     pub(crate) scripts_sha256: String,
 }
 
-/// One picture.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub(crate) struct Image {
     pub(crate) frame: u32,

@@ -26,7 +26,6 @@ pub const MOST_DETAILED: usize = 200;
 /// Metrics by which methods are compared; p values are corrected within each.
 pub const COMPARED: [Metric; 3] = [Metric::Miou, Metric::TubeIou, Metric::Select];
 
-/// A leaderboard.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Board {
     /// [`SCHEMA`].
@@ -101,7 +100,6 @@ impl Heading {
 /// One scored method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Method {
-    /// Its name.
     pub name: Name,
     /// Its version.
     pub version: String,
@@ -248,9 +246,7 @@ impl Choice {
 /// An instance of a scene.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Thing {
-    /// Common noun.
     pub category: String,
-    /// Instance name.
     pub name: Name,
     /// Object or landmark.
     pub role: Role,
@@ -259,7 +255,6 @@ pub struct Thing {
 /// The queries of a scene that are scored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BoardScene {
-    /// The scene.
     pub name: Name,
     /// Its spatial scale.
     pub scale: Scale,
@@ -273,16 +268,12 @@ pub struct BoardScene {
     pub unannotated: Vec<u32>,
     /// In the order of the benchmark.
     pub queries: Vec<BoardQuery>,
-    /// Its instances.
     pub things: Vec<Thing>,
 }
 
-/// One query.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BoardQuery {
-    /// The query.
     pub id: QueryId,
-    /// The sentence.
     pub text: String,
     /// One category, or two.
     pub categories: Vec<Category>,
@@ -326,7 +317,6 @@ impl BoardQuery {
 /// All pairs of complete methods of a track by one metric; p values are corrected for those of the track.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Comparisons {
-    /// By what.
     pub metric: Metric,
     /// By track. `first` and `second` index [`Board::methods`].
     pub pairs: Vec<Pair>,

@@ -12,9 +12,7 @@ use crate::figures::{counts::Counts, scatter};
 /// Panels of bars side by side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// File stem.
     pub name: &'static str,
-    /// Heading.
     pub title: String,
     /// Lines below the heading.
     pub notes: Vec<String>,
@@ -22,10 +20,8 @@ pub struct Chart {
     pub panels: Vec<Panel>,
 }
 
-/// One distribution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
-    /// Heading.
     pub title: String,
     /// What the numbers count, or what the bins measure.
     pub note: String,
@@ -47,9 +43,7 @@ pub enum Layout {
 /// What a score does while a setting grows, in panels on common axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trend {
-    /// File stem.
     pub name: &'static str,
-    /// Heading.
     pub title: String,
     /// Lines below the heading.
     pub notes: Vec<String>,
@@ -72,10 +66,8 @@ pub struct TrendPanel {
     pub reported: Vec<TrendPoint>,
 }
 
-/// One measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrendPoint {
-    /// The setting.
     pub at: f64,
     /// Percent.
     pub value: f64,
@@ -88,9 +80,7 @@ pub struct TrendPoint {
 /// What is paid against what is had for it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tradeoff {
-    /// File stem.
     pub name: &'static str,
-    /// Heading.
     pub title: String,
     /// Lines below the heading.
     pub notes: Vec<String>,
@@ -107,7 +97,6 @@ pub struct Tradeoff {
 pub struct TradePoint {
     /// What was changed.
     pub series: String,
-    /// To what.
     pub label: String,
     /// What it costs, above 0.
     pub cost: f64,

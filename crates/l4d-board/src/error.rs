@@ -23,7 +23,6 @@ pub enum BoardError {
     Render {
         /// What was to be made.
         file: String,
-        /// The reason.
         message: String,
     },
     /// A file could not be read or written.

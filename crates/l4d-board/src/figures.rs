@@ -20,11 +20,9 @@ const MOST_METHODS: usize = 24;
 
 /// A figure that has not been drawn yet.
 pub(crate) struct Figure<'a> {
-    /// File stem.
     pub(crate) name: &'static str,
     /// What it shows, one sentence without markup.
     pub(crate) caption: &'static str,
-    /// Draws it.
     pub(crate) draw: Box<dyn Fn() -> Result<Files, BoardError> + Send + Sync + 'a>,
 }
 

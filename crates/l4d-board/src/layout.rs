@@ -18,7 +18,6 @@ pub(crate) const PUBLISHED_TITLE: &str = "As reported in the paper, on its own d
 /// The last column.
 const ALL: &str = "all";
 
-/// One table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Layout {
     /// File stem: that of `benchmark/published`.
@@ -28,7 +27,6 @@ pub(crate) struct Layout {
     pub(crate) columns: Vec<String>,
     /// Ours, in the order of the board.
     pub(crate) rows: Vec<Line>,
-    /// The paper's.
     pub(crate) published: Vec<Line>,
 }
 

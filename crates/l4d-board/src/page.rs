@@ -26,12 +26,10 @@ use self::overview::Overview;
 use crate::board::Board;
 use crate::error::BoardError;
 
-/// Its name.
 pub(crate) const PAGE: &str = "index.html";
 
 /// Where the page finds pictures and masks.
 pub struct Media<'a> {
-    /// The truth.
     pub exam: &'a Exam,
     /// Folder of results; without it the page shows numbers and truth, and no masks of methods.
     pub results: Option<&'a Path>,

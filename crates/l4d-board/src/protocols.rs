@@ -19,7 +19,6 @@ use crate::markdown::{Table, escape, hundredths, linked};
 /// What one protocol says of methods.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProtocolTable {
-    /// Whose evaluation.
     pub protocol: Protocol,
     /// In the order of the board, then those that are not on it, by name.
     pub rows: Vec<ProtocolRow>,
@@ -28,7 +27,6 @@ pub struct ProtocolTable {
 /// One method under a protocol. Numbers are percent, in the order of the protocol's measures.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProtocolRow {
-    /// Method.
     pub name: Name,
     /// Its version.
     pub version: String,

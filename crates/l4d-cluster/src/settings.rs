@@ -40,9 +40,7 @@ pub struct Settings<'a> {
     pub folder: PathBuf,
     /// Who runs jobs.
     pub engine: Engine,
-    /// Of Slurm.
     pub partition: Option<&'a str>,
-    /// Of Slurm.
     pub account: Option<&'a str>,
     /// In the queue or running at once.
     pub jobs: u64,
@@ -52,7 +50,6 @@ pub struct Settings<'a> {
     pub cores: usize,
     /// Whether the cluster counts what users take; without it the engine asks the queue.
     pub has_accounting: bool,
-    /// The program.
     pub l4d: PathBuf,
     /// Folder of the workflow.
     pub workflow: PathBuf,
@@ -66,7 +63,6 @@ pub struct Settings<'a> {
     pub bench: PathBuf,
     /// Those that were chosen; none for all.
     pub scenes: &'a [Name],
-    /// Rendered scenes.
     pub data: PathBuf,
     /// Pictures to learn from.
     pub training: PathBuf,
@@ -74,7 +70,6 @@ pub struct Settings<'a> {
     pub work: PathBuf,
     /// Results of methods.
     pub results: PathBuf,
-    /// Counts.
     pub scores: PathBuf,
     /// Tables and the page.
     pub leaderboard: PathBuf,

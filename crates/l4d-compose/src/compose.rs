@@ -59,7 +59,6 @@ pub enum Refused {
     /// It affords too few.
     #[error("scene `{scene}` affords {found} queries, but {LEAST_QUERIES} are the least: {}", short.join("; "))]
     TooFew {
-        /// Which.
         scene: Name,
         /// How many could be had.
         found: usize,
@@ -69,7 +68,6 @@ pub enum Refused {
     /// The proof of the whole has a finding: tracks that contradict their events, or a mistake of this crate.
     #[error("scene `{scene}` is not proved: {code} at {place}: {message}")]
     Unproved {
-        /// Which.
         scene: Name,
         /// Of the first finding.
         code: &'static str,
@@ -83,12 +81,7 @@ pub enum Refused {
     Id(#[from] QueryIdError),
     /// A predicate that is no JSON.
     #[error("scene `{scene}`: a predicate cannot be written: {source}")]
-    Unwritable {
-        /// Which.
-        scene: Name,
-        /// Why.
-        source: serde_json::Error,
-    },
+    Unwritable { scene: Name, source: serde_json::Error },
 }
 
 /// The queries of a scene: a function of its tracks and the request alone.

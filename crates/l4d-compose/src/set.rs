@@ -41,7 +41,6 @@ pub struct SetOrder<'o> {
     pub draws: u32,
     /// Sentences that are not used.
     pub avoid: &'o BTreeSet<String>,
-    /// Logs.
     pub work: &'o SharedWork,
     /// Blender processes at once.
     pub jobs: usize,

@@ -44,7 +44,6 @@ pub enum SetSplit {
     /// Reported scores; nothing is tuned on it.
     #[default]
     Test,
-    /// Learning.
     Train,
     /// Tuning of thresholds.
     Dev,
@@ -233,7 +232,6 @@ impl Benchmark {
         Ok((!lines.is_empty()).then(|| sha256_hex(lines.as_bytes())))
     }
 
-    /// The folder.
     pub fn root(&self) -> &Path {
         self.dir.root()
     }

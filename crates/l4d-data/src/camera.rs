@@ -53,7 +53,6 @@ pub struct ViewCard {
     pub width: u32,
     /// Rows of the pictures, pixels.
     pub height: u32,
-    /// From where.
     #[serde(flatten)]
     pub camera: Camera,
 }

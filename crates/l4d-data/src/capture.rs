@@ -34,7 +34,6 @@ pub const MASKS: &str = "masks.json";
 pub struct Capture {
     /// [`SCHEMA`].
     pub schema: String,
-    /// Scene name.
     pub name: Name,
     /// Who recorded it.
     pub source: String,
@@ -77,7 +76,6 @@ pub enum Depth {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Substitution {
-    /// The view.
     pub view: Name,
     /// The moment whose picture is damaged.
     pub frame: u32,
@@ -118,7 +116,6 @@ impl Capture {
 pub struct MaskSet {
     /// [`MASKS_SCHEMA`].
     pub schema: String,
-    /// The scene.
     pub scene: Name,
     /// Pixels.
     pub width: u32,

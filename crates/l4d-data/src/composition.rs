@@ -41,7 +41,6 @@ pub struct Composition {
 }
 
 impl Composition {
-    /// Nothing pinned.
     pub fn of(scene: Name, scale: Scale, seed: u64) -> Self {
         Self {
             schema: SCHEMA.to_owned(),

@@ -14,14 +14,12 @@ pub enum DataError {
         path: PathBuf,
         /// What was attempted, as a verb phrase ("read", "write").
         action: &'static str,
-        /// The refusal.
         source: io::Error,
     },
     /// The file is not the format that its name says.
     #[error("{}: {location}: {message}", shown(path))]
     #[non_exhaustive]
     Format {
-        /// File.
         path: PathBuf,
         /// Field, line or offset ("line 3, field `referents`").
         location: String,

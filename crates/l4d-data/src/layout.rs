@@ -21,7 +21,6 @@ impl SceneDir {
         Self(data.join(scene))
     }
 
-    /// The folder.
     pub fn root(&self) -> &Path {
         &self.0
     }
@@ -95,7 +94,6 @@ impl CaptureDir {
         Self(data.join(scene))
     }
 
-    /// The folder.
     pub fn root(&self) -> &Path {
         &self.0
     }
@@ -148,12 +146,10 @@ impl WorkDir {
 pub struct AnswerDir(PathBuf);
 
 impl AnswerDir {
-    /// Any folder.
     pub fn new(root: impl Into<PathBuf>) -> Self {
         Self(root.into())
     }
 
-    /// The folder.
     pub fn root(&self) -> &Path {
         &self.0
     }
@@ -189,7 +185,6 @@ impl BenchDir {
         Self(root.into())
     }
 
-    /// The folder.
     pub fn root(&self) -> &Path {
         &self.0
     }
@@ -278,7 +273,6 @@ impl ResultsDir {
         Self(root.into())
     }
 
-    /// The folder.
     pub fn root(&self) -> &Path {
         &self.0
     }

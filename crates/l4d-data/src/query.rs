@@ -23,7 +23,6 @@ const LONGEST_PREDICATE: usize = 8000;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Category {
-    /// A property.
     Attribute,
     /// A verb with one role.
     Action,
@@ -76,7 +75,6 @@ impl QuerySet {
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct QueryId {
-    /// The scene.
     pub scene: Name,
     /// The number as written, also the stem of the mask file.
     pub number: Name,
@@ -197,7 +195,6 @@ pub struct Provenance {
 pub struct Query {
     /// `<scene>/<nnn>`.
     pub id: QueryId,
-    /// The sentence.
     pub text: String,
     /// One category, or two for composites.
     pub categories: Vec<Category>,

@@ -24,7 +24,6 @@ pub enum Reader {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trained {
-    /// Which reader.
     pub reader: Reader,
     /// Time of each moment.
     pub times: Vec<f32>,

@@ -67,7 +67,6 @@ impl Track {
         }
     }
 
-    /// For people.
     pub fn title(self) -> &'static str {
         match self {
             Self::Colour => "colour",

@@ -26,7 +26,6 @@ pub struct Rig {
     pub width: u32,
     /// Rows of the pictures, pixels.
     pub height: u32,
-    /// From where.
     pub cameras: Vec<Camera>,
     /// Numbers of the moments of a capture, ascending; none of a rendered scene, whose profile says them.
     #[serde(default, deserialize_with = "some_frames")]

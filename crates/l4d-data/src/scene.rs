@@ -81,7 +81,6 @@ pub struct Instance {
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Event {
-    /// Who acts.
     pub subject: Name,
     /// Base form, e.g. `lift`.
     pub verb: String,
@@ -117,9 +116,7 @@ pub struct FrameDigest {
 pub struct Scene {
     /// [`SCHEMA`].
     pub schema: String,
-    /// Scene name.
     pub name: Name,
-    /// Spatial scale.
     pub scale: Scale,
     /// 0 is the benchmark; others permute looks, roles, layout and cameras.
     pub variant: u32,

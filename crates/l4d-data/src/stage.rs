@@ -24,7 +24,6 @@ pub trait Progress: Sync {
     fn warn(&self, line: &dyn Display);
 }
 
-/// Shows nothing.
 #[derive(Debug, Clone, Copy)]
 pub struct Silent;
 
@@ -130,7 +129,6 @@ impl<T, E: Into<StageError>> At<T> for Result<T, E> {
 /// Part `index` of `count`, counted from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// Which part.
     pub index: usize,
     /// Of how many.
     pub count: usize,

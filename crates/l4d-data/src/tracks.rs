@@ -45,7 +45,6 @@ pub struct TrackedInstance {
     pub name: Name,
     /// Object or landmark.
     pub role: Role,
-    /// Common noun.
     pub category: String,
     /// Visible properties.
     pub attributes: BTreeMap<String, String>,
@@ -73,9 +72,7 @@ impl TrackedInstance {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pair {
-    /// One instance.
     pub a: Name,
-    /// The other.
     pub b: Name,
     /// Mesh distances, metres, 1 or 97; 0 where they touch or overlap.
     pub distance_m: Vec<f64>,
@@ -87,7 +84,6 @@ pub struct Pair {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrackedCamera {
-    /// View name.
     pub name: Name,
     /// Training or held out.
     pub split: Split,
@@ -117,9 +113,7 @@ impl TrackedCamera {
 pub struct Tracks {
     /// [`SCHEMA`].
     pub schema: String,
-    /// Scene name.
     pub scene: Name,
-    /// Spatial scale.
     pub scale: Scale,
     /// 0 is the benchmark.
     pub variant: u32,

@@ -26,7 +26,6 @@ const MAX_FRAME: u32 = 9_999;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InstanceTruth {
-    /// Instance name.
     pub name: Name,
     /// Value of the `id` channel.
     pub id: u32,
@@ -57,7 +56,6 @@ impl InstanceTruth {
 pub struct Truth {
     /// [`SCHEMA`].
     pub schema: String,
-    /// Scene name.
     pub scene: Name,
     /// Spatial scale, so that scores by scale need no tracks.
     pub scale: Scale,

@@ -13,9 +13,7 @@ use crate::request::{Part, Request};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prices {
-    /// Of questions.
     pub prompt_per_million: f64,
-    /// Of answers.
     pub completion_per_million: f64,
 }
 
@@ -34,7 +32,6 @@ impl Prices {
 /// Tokens of questions and answers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Tokens {
-    /// Of questions.
     pub prompt: u64,
     /// Of answers, thinking included.
     pub completion: u64,
@@ -102,7 +99,6 @@ pub struct Spent {
 /// What a run would do and cost at most: the answer to `--dry-run`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Plan {
-    /// Questions.
     pub questions: u64,
     /// Of them, answered by the cache or a recording.
     pub kept: u64,

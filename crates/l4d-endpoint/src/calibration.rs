@@ -22,7 +22,6 @@ const CLEAR_LEAD: f64 = 0.05;
 /// A picture with squares of known places, one of each colour.
 #[derive(Debug, Clone)]
 pub struct Sample {
-    /// The picture.
     pub image: Image,
     /// Colour and place of its squares.
     pub squares: Vec<(String, BoxPx)>,

@@ -10,13 +10,10 @@ use crate::error::EndpointError;
 /// A box in pixels of the picture as it was sent; `x0 < x1`, `y0 < y1`, inside the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoxPx {
-    /// Left edge.
     pub x0: f64,
     /// Upper edge.
     pub y0: f64,
-    /// Right edge.
     pub x1: f64,
-    /// Lower edge.
     pub y1: f64,
 }
 
@@ -91,7 +88,6 @@ impl Resize {
     }
 }
 
-/// A convention.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Convention {

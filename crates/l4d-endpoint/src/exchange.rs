@@ -43,7 +43,6 @@ impl Call {
 /// What came back, keys taken out.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Response {
-    /// HTTP status.
     pub(crate) status: u16,
     /// The few headers that matter, in lower case.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -152,7 +151,6 @@ impl Exchanges {
 /// Where answers come from: `live`, `record:<folder>` or `replay:<folder>`.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub enum Link {
-    /// The server.
     #[default]
     Live,
     /// The server, and everything that it says is kept in a folder.

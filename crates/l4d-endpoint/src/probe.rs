@@ -12,7 +12,6 @@ use crate::request::{Image, Message, Part, Request, Schema};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum State {
-    /// It does.
     Ok,
     /// It does not, and l4d gets along without.
     Lacking,

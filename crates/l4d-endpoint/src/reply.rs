@@ -44,9 +44,7 @@ pub enum Finish {
 pub enum Origin {
     /// The server, just now.
     Server,
-    /// The cache.
     Cache,
-    /// A recording.
     Recording,
 }
 

@@ -12,7 +12,6 @@ use crate::error::EndpointError;
 /// No side of a picture may be longer, pixels.
 const MAX_SIDE: usize = 16_384;
 
-/// A question.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// The conversation so far; the last message is the question.
@@ -87,7 +86,6 @@ impl Message {
         Self { role: "system", parts: vec![Part::text(text)] }
     }
 
-    /// A question.
     pub fn user(parts: Vec<Part>) -> Self {
         Self { role: "user", parts }
     }
@@ -96,14 +94,11 @@ impl Message {
 /// A piece of a message.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Part {
-    /// Plain text.
     Text(String),
-    /// A picture.
     Image(Image),
 }
 
 impl Part {
-    /// Plain text.
     pub fn text(text: impl Into<String>) -> Self {
         Self::Text(text.into())
     }

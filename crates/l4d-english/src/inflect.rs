@@ -7,7 +7,6 @@ pub(crate) fn third(base: &str) -> String {
     with_s(base)
 }
 
-/// "walking", "taking".
 pub(crate) fn ing(base: &str) -> String {
     match base.strip_suffix('e') {
         Some(stem) if !stem.ends_with('e') => format!("{stem}ing"),

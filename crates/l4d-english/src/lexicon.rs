@@ -30,7 +30,6 @@ pub(crate) enum Way {
     Noun,
     /// After "with" or "has".
     Has,
-    /// After "without".
     Lacks,
     /// After "in" or "wearing".
     Wears,
@@ -56,7 +55,6 @@ pub(crate) struct Wording {
     pub(crate) is_said: bool,
 }
 
-/// A noun.
 #[derive(Debug, Clone)]
 pub(crate) struct Noun {
     pub(crate) singular: String,
@@ -132,7 +130,6 @@ impl Form {
 /// A sequence of words and what it may be.
 type Phrases<T> = BTreeMap<String, Vec<(Vec<String>, T)>>;
 
-/// All words.
 #[derive(Debug)]
 pub(crate) struct Lexicon {
     nouns: BTreeMap<String, Noun>,
@@ -158,7 +155,6 @@ impl Lexicon {
         self.nouns.iter().map(|(category, noun)| (category.as_str(), noun))
     }
 
-    /// All verbs.
     pub(crate) fn verbs(&self) -> impl Iterator<Item = (&str, &Verb)> {
         self.verbs.iter().map(|(name, verb)| (name.as_str(), verb))
     }

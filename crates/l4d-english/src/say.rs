@@ -160,7 +160,6 @@ fn products<T: Clone>(choices: &[Vec<T>], most: usize) -> Vec<Vec<T>> {
     })
 }
 
-/// The cheapest.
 fn cheapest(mut found: Vec<Said>, most: usize) -> Vec<Said> {
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     found.truncate(most);

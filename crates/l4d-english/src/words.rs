@@ -28,7 +28,6 @@ pub struct Vocabulary {
     pub nouns: BTreeMap<String, Role>,
     /// Values of each property.
     pub attributes: BTreeMap<String, BTreeSet<String>>,
-    /// Base forms.
     pub verbs: BTreeSet<String>,
 }
 

@@ -63,7 +63,6 @@ pub struct Ablation<'a> {
     pub jobs: usize,
     /// Answer again what was answered with other settings.
     pub overwrite: bool,
-    /// What draws.
     pub rasterizer: &'a dyn Rasterizer,
     /// What it draws on, for manifests; none for the processor.
     pub adapter: Option<Value>,

@@ -43,7 +43,6 @@ pub struct LiftRequest<'a> {
     pub is_quick: bool,
     /// Receives `lift.csv`.
     pub folder: &'a Path,
-    /// What draws.
     pub rasterizer: &'a dyn Rasterizer,
     /// What it draws on, for manifests; none for the processor.
     pub adapter: Option<Value>,

@@ -17,7 +17,6 @@ pub enum Literal {
     Int(i64),
     /// A number with a point or an exponent, `inf` or `nan`.
     Float(f64),
-    /// A string.
     Text(String),
     /// `[...]`.
     List(Vec<Literal>),

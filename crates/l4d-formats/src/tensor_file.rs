@@ -39,7 +39,6 @@ pub struct TensorFileKind {
 pub struct TensorFile {
     /// Name within the folder.
     pub file: String,
-    /// Length.
     pub bytes: u64,
     /// Digest of all bytes.
     pub sha256: String,
@@ -47,9 +46,7 @@ pub struct TensorFile {
 
 /// Numbers with a shape.
 pub enum Column<'a> {
-    /// Fractions.
     F32(Vec<usize>, Cow<'a, [f32]>),
-    /// Indices.
     U32(Vec<usize>, Cow<'a, [u32]>),
 }
 

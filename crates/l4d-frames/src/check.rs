@@ -32,26 +32,21 @@ pub struct Request<'a> {
     pub data: &'a Path,
     /// Benchmark folder with tracks, queries and truth.
     pub bench: &'a BenchDir,
-    /// Expected profile.
     pub profile: Profile,
-    /// Scene.
     pub scene: &'a Name,
 }
 
 /// What was looked at, and how well the views agree.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SceneStats {
-    /// Scene.
     pub scene: Name,
     /// Whether nothing but warnings was found.
     pub good: bool,
-    /// Views.
     pub views: usize,
     /// Frames a view.
     pub frames: usize,
     /// Pictures that could be read.
     pub pictures: usize,
-    /// Annotated things.
     pub instances: usize,
     /// Agreement across views; null if fewer than two views could be read.
     pub cross_view: Option<Summary>,

@@ -28,7 +28,6 @@ const DIAGONAL_STEP: u32 = 4;
 /// What a pixel of a closeup belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stroke {
-    /// The picture.
     None,
     /// The coloured line of a mark.
     Light,

@@ -29,7 +29,6 @@ pub const COLOUR: &str = "png";
 pub const DEPTH: &str = "depth.png";
 /// What [`DEPTH`] leaves out.
 pub const DEPTH_REST: &str = "depth_rest.png";
-/// Instance ids.
 pub const IDS: &str = "ids.png";
 
 const HINT: &str = "fetch the file again, or read it with the l4d that made the release";
@@ -40,13 +39,10 @@ const HINT: &str = "fetch the file again, or read it with the l4d that made the 
 pub struct SampleCard {
     /// `l4d/sample/1`.
     pub schema: String,
-    /// Scene.
     pub scene: Name,
-    /// View.
     pub view: Name,
     /// Whether methods may train on the view.
     pub split: Split,
-    /// Profile.
     pub profile: Profile,
     /// Canonical frame.
     pub frame: u32,

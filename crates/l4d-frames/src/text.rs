@@ -8,7 +8,6 @@ use image::{Rgb, RgbImage};
 /// Thickness of the letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Weight {
-    /// Running text.
     Regular,
     /// Headings and labels.
     Semibold,
@@ -17,11 +16,9 @@ pub enum Weight {
 /// How text looks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Style {
-    /// Thickness.
     pub weight: Weight,
     /// Distance between lines, pixels; letters are smaller.
     pub size_px: f32,
-    /// Ink.
     pub colour: Rgb<u8>,
 }
 

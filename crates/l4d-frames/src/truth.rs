@@ -95,7 +95,6 @@ impl TruthBuilder {
         }
     }
 
-    /// The truth.
     pub fn finish(self) -> Truth {
         self.truth
     }

@@ -51,7 +51,6 @@ pub enum GpuError {
         needs: u64,
         /// Name of the limit.
         limit: &'static str,
-        /// The limit.
         has: u64,
     },
     /// The adapter's memory is used up.

@@ -12,7 +12,6 @@ use crate::shaders::Pass;
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct Pixel {
-    /// Without background.
     colour: [f32; 3],
     depth_sum_m: f32,
     /// Of the last Gaussian in front of which a level of transmittance is left.

@@ -17,7 +17,6 @@ pub struct Question {
     pub scene: Name,
     /// Number of the query within the benchmark; none for a sentence of the user's own.
     pub number: Option<Name>,
-    /// The sentence.
     pub text: String,
     /// Frames that the user asks about; none for the whole clip.
     pub range: Option<Interval>,
@@ -180,7 +179,6 @@ pub struct RunnerUp {
 }
 
 impl Grounding {
-    /// No answer.
     pub fn without_answer(outcome: Outcome) -> Self {
         Self { outcome, masks: BTreeMap::new(), notes: Vec::new(), choice: None }
     }

@@ -91,7 +91,6 @@ pub enum VlmError {
     /// A setting that cannot be.
     #[error("{field}: {message}")]
     Settings {
-        /// Which one.
         field: &'static str,
         /// What is wrong with it.
         message: &'static str,

@@ -37,7 +37,6 @@ const FAILURES_IN_A_ROW: u32 = 4;
 pub struct Launch {
     /// The program: an interpreter, a script, anything that speaks the protocol.
     pub program: PathBuf,
-    /// Its arguments.
     pub arguments: Vec<OsString>,
     /// Variables that are set for it beside those of this process.
     pub environment: BTreeMap<String, OsString>,

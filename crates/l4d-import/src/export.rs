@@ -130,9 +130,7 @@ pub enum Origin<'a> {
 /// What is exported to where.
 #[derive(Debug, Clone, Copy)]
 pub struct ExportRequest<'a> {
-    /// The scene.
     pub origin: Origin<'a>,
-    /// The layout.
     pub format: Format,
     /// Folder that receives it: empty, missing, or from an earlier export of the same scene and format.
     pub out: &'a Path,

@@ -15,7 +15,6 @@ pub struct IdPicture {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Numbers.
     pub ids: Vec<u32>,
 }
 

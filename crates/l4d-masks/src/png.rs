@@ -43,7 +43,6 @@ pub enum PngError {
         col: u32,
         /// Row of the pixel.
         row: u32,
-        /// Its value.
         value: u8,
         /// The value of the inside pixels before it, if there were any.
         other: Option<u8>,

@@ -53,7 +53,6 @@ pub enum WeightsError {
     Digest {
         /// Of the file.
         found: String,
-        /// As described.
         expected: String,
     },
     /// The runtime refuses the file.

@@ -91,7 +91,6 @@ struct Failed {
 
 /// What is asked about, and where its answer holds what.
 pub(crate) struct Subject<'a> {
-    /// In messages.
     pub(crate) name: &'a str,
     /// The field that holds the list of items.
     pub(crate) list: &'static str,
@@ -231,7 +230,6 @@ fn listed(value: Value, list: &str) -> Option<Vec<Value>> {
     }
 }
 
-/// JSON Lines.
 pub(crate) fn lines<T: Serialize>(values: &[T]) -> String {
     values.iter().filter_map(|value| serde_json::to_string(value).ok()).map(|line| line + "\n").collect()
 }

@@ -41,7 +41,6 @@ pub struct QueryProposer<'a> {
     pub data: &'a Path,
     /// Folder that receives the proposals.
     pub out: &'a Path,
-    /// Reviewed words.
     pub vocabulary: Option<&'a Vocabulary>,
     /// Queries wanted of each of the four categories.
     pub per_category: u32,
@@ -60,7 +59,6 @@ pub struct QueryProposer<'a> {
 /// What became of a scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SceneOutcome {
-    /// The scene.
     pub scene: Name,
     /// The question and its answer.
     #[serde(flatten)]

@@ -61,7 +61,6 @@ pub struct ScenarioProposer<'a> {
 /// What became of a scale.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ScaleOutcome {
-    /// The scale.
     pub scale: Scale,
     /// The question and its answer.
     #[serde(flatten)]

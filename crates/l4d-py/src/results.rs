@@ -72,7 +72,6 @@ impl ResultsWriter {
         &self.card.name
     }
 
-    /// The folder.
     #[getter]
     fn path(&self) -> PathBuf {
         self.dir.root().to_owned()

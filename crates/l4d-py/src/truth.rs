@@ -67,7 +67,6 @@ impl Truth {
 
 #[pymethods]
 impl Truth {
-    /// Scene name.
     #[getter]
     fn scene(&self) -> &str {
         &self.truth.scene

@@ -30,30 +30,18 @@ pub enum Clause {
     /// Its category is this noun.
     Category(String),
     /// A visible property has this value.
-    Attribute {
-        /// Property ("colour").
-        key: String,
-        /// Value ("red").
-        value: String,
-    },
+    Attribute { key: String, value: String },
     /// It acts: `{"does": {"verb": "walk"}}`, or upon something: `{"does": {"verb": "lift", "to": {...}}}`.
     Does {
-        /// Base form.
         verb: String,
         /// To whom; left out for actions.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         to: Option<Party>,
     },
     /// Something is done to it: the passive of `does` with a second role.
-    Undergoes {
-        /// Base form.
-        verb: String,
-        /// By whom.
-        by: Party,
-    },
+    Undergoes { verb: String, by: Party },
     /// It is in a geometric relation.
     Relation {
-        /// Which.
         kind: Relation,
         /// To these (two for `between`, otherwise one).
         of: Vec<Party>,
@@ -78,7 +66,6 @@ pub enum Clause {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Party {
-    /// This landmark.
     Name(Name),
     /// Any instance of this category.
     Category(String),
@@ -131,7 +118,6 @@ pub enum Superlative {
 }
 
 impl Relation {
-    /// All relations.
     pub const ALL: [Self; 11] = [
         Self::On,
         Self::In,

@@ -83,7 +83,6 @@ impl Recall {
 /// Objects that have the name of one of the other set: in the scene of the same name if it has one, else in any.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Places {
-    /// How many.
     pub objects: usize,
     /// How far they are from it on average over the clip, metres.
     pub mean_distance_m: f64,

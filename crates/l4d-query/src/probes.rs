@@ -26,7 +26,6 @@ pub const BOUND_POINTS: f64 = 10.0;
 /// How well one shortcut does.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Probe {
-    /// Which.
     pub name: &'static str,
     /// How it picks.
     pub rule: &'static str,

@@ -18,7 +18,6 @@ use crate::world::World;
 pub(crate) trait Degree: Copy {
     /// It does not hold.
     const FALSE: Self;
-    /// It holds.
     const TRUE: Self;
     /// What nothing is known of.
     const UNKNOWN: Self;
@@ -78,13 +77,10 @@ pub(crate) trait Happens {
     /// How true it is over the clip that it happens.
     type Truth;
 
-    /// Who acts.
     fn subject(&self) -> &Name;
     /// What is done.
     fn verb(&self) -> &str;
-    /// To whom.
     fn object(&self) -> Option<&Name>;
-    /// When.
     fn times(&self) -> Self::Truth;
 }
 
@@ -97,7 +93,6 @@ pub(crate) enum Unit {
     ShareOf(f64),
     /// Sizes to this power: 1 for a height, 3 for a volume.
     Size(f64),
-    /// Directions.
     Degrees,
 }
 
@@ -110,7 +105,6 @@ pub(crate) trait Reading<'a> {
     type Degree: Degree;
     /// How true something is over the clip.
     type Truth: Truth<Degree = Self::Degree>;
-    /// What happens.
     type Event: Happens<Truth = Self::Truth>;
 
     /// Where everything is.

@@ -27,7 +27,6 @@ use settings::{ABSENT_SCORE, LEAST_STRETCH, weighed};
 /// A thing that may be meant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranked {
-    /// Which.
     pub name: Name,
     /// How well noun and clauses fit, compared with the best among its rivals; 0 to 1.
     pub score: f64,

@@ -15,14 +15,11 @@ use crate::world::World;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DatasetRow {
-    /// Name.
     pub dataset: String,
     /// Synthetic or real.
     #[serde(rename = "type")]
     pub kind: String,
-    /// Spatial scales.
     pub scale: String,
-    /// Scenes.
     pub scenes: usize,
     /// How it was taken.
     pub setup: String,
@@ -37,15 +34,12 @@ pub struct DatasetRow {
 /// A scene in numbers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SceneRow {
-    /// Name.
     pub scene: String,
-    /// Spatial scale.
     pub scale: &'static str,
     /// Possible referents.
     pub objects: usize,
     /// What relations may name.
     pub landmarks: usize,
-    /// Declared events.
     pub events: usize,
     /// Queries per category, in table order.
     pub attribute: usize,
@@ -66,7 +60,6 @@ pub struct SceneRow {
 pub struct QueryRow {
     /// `<scene>/<nnn>`.
     pub id: String,
-    /// Spatial scale.
     pub scale: &'static str,
     /// Kind of reasoning.
     pub category: &'static str,
@@ -91,7 +84,6 @@ pub struct QueryRow {
 /// A word of the sentences.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct WordRow {
-    /// Lower case.
     pub word: String,
     /// As `vocabulary.txt` says: noun, verb, preposition, adjective, adverb or other.
     pub kind: String,

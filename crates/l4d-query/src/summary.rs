@@ -11,7 +11,6 @@ use crate::prove::COMPOSITES;
 /// Counts of the set, and its shortcuts.
 #[derive(Debug, Default, Serialize)]
 pub struct SetSummary {
-    /// Scenes checked.
     pub scenes: usize,
     /// Scenes per scale.
     pub scales: BTreeMap<&'static str, usize>,

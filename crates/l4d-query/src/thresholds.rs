@@ -72,7 +72,6 @@ pub const fn moves_mps(scale: Scale) -> f64 {
 /// How strictly the thresholds are meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Slack {
-    /// As stated.
     Nominal,
     /// Harder to satisfy by [`SLACK`].
     Tight,

@@ -10,7 +10,6 @@ use l4d_data::timeline::FRAME_COUNT;
 pub struct Times(u128);
 
 impl Times {
-    /// Never.
     pub const NEVER: Self = Self(0);
     /// In the whole clip.
     pub const ALWAYS: Self = Self((1 << FRAME_COUNT) - 1);

@@ -91,7 +91,6 @@ pub struct QueryContents {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RenderContents {
-    /// Their profile.
     pub profile: Profile,
     /// Scene -> SHA-256 over the names and digests of its files.
     pub scenes: BTreeMap<Name, String>,

@@ -43,7 +43,6 @@ pub trait Base {
 /// Why a file does not arrive.
 #[derive(Debug)]
 pub struct Missing {
-    /// Why.
     pub message: String,
     /// Whether to ask again may help.
     pub is_passing: bool,
@@ -88,9 +87,7 @@ pub enum Part {
     Depth,
     /// Instance ids of frames.
     Ids,
-    /// Trained models.
     Splats,
-    /// Tables.
     Tables,
 }
 

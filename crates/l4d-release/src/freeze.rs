@@ -29,7 +29,6 @@ use crate::{archive, codes, croissant, tables, words};
 /// What is to be released, and where.
 #[derive(Debug)]
 pub struct ReleaseOptions<'a> {
-    /// The benchmark.
     pub bench: &'a Benchmark,
     /// What people's votes say of it.
     pub votes: &'a Votes,
@@ -52,7 +51,6 @@ pub struct Plan {
     pub contents: Contents,
     /// What changed since the earlier release, the gravest first.
     pub changes: Vec<Change>,
-    /// Its folder.
     pub folder: PathBuf,
     /// Whether the folder exists already, made of the same files.
     pub is_there: bool,

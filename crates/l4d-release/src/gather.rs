@@ -56,7 +56,6 @@ pub(crate) fn size_of(path: &Path) -> Result<u64, DataError> {
 /// One scene of the benchmark.
 #[derive(Debug, Clone)]
 pub struct SceneFacts {
-    /// Its name.
     pub name: Name,
     /// Its spatial scale.
     pub scale: Scale,
@@ -70,7 +69,6 @@ pub struct SceneFacts {
     pub absents: Vec<Query>,
     /// What the held-out view sees.
     pub truths: BTreeMap<Profile, Truth>,
-    /// Its files.
     pub files: Vec<Source>,
 }
 
@@ -88,7 +86,6 @@ pub struct Gathered {
 }
 
 impl Gathered {
-    /// All files.
     pub fn all_files(&self) -> impl Iterator<Item = &Source> {
         self.files.iter().chain(self.scenes.iter().flat_map(|scene| &scene.files))
     }

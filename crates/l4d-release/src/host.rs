@@ -38,7 +38,6 @@ pub type Files = BTreeMap<String, Vec<u8>>;
 /// What is hosted.
 #[derive(Debug)]
 pub struct Hosted<'a> {
-    /// The benchmark.
     pub gathered: &'a Gathered,
     /// Whose truth counts.
     pub profile: Profile,

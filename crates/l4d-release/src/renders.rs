@@ -16,7 +16,6 @@ use crate::gather::Source;
 pub struct Renders {
     /// What was rendered.
     pub profile: Profile,
-    /// The scenes.
     pub scenes: BTreeMap<Name, Rendered>,
 }
 

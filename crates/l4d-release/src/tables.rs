@@ -71,7 +71,6 @@ impl Table {
         format!("tables/{}.jsonl", self.name)
     }
 
-    /// The file.
     pub(crate) fn bytes(&self) -> Vec<u8> {
         self.rows.iter().flat_map(|row| format!("{row}\n").into_bytes()).collect()
     }

@@ -31,7 +31,6 @@ pub struct Votes {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Round {
-    /// Its name.
     pub name: String,
     /// When a prompt counted as understood (`unanimous:5`).
     pub rule: String,

@@ -31,7 +31,6 @@ pub struct Breakdown {
     pub categories: BTreeMap<Category, Metrics>,
     /// By scale of the scene.
     pub scales: BTreeMap<Scale, Metrics>,
-    /// By scene.
     pub scenes: BTreeMap<Name, Metrics>,
     /// The same numbers averaged in other ways.
     pub averages: BTreeMap<Average, Metrics>,

@@ -28,7 +28,6 @@ use crate::truth::SceneTruth;
 pub enum Baseline {
     /// The truth itself.
     Oracle,
-    /// Nothing anywhere.
     None,
     /// Every pixel of every frame.
     All,
@@ -71,7 +70,6 @@ impl Baseline {
 /// What [`write_baseline`] found and did.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Written {
-    /// Files written.
     pub new: usize,
     /// Files that stood there already with the same bytes.
     pub kept: usize,

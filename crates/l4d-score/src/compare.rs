@@ -153,7 +153,6 @@ fn least_p(differing: usize) -> f64 {
 struct Flips {
     /// Sum of differences, and that times the number of queries, of each scene that differs.
     scenes: Vec<Signed>,
-    /// Unflipped.
     found: Signed,
     /// Sum of squared sums; no flip changes it.
     squares: f64,

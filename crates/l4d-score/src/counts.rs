@@ -43,11 +43,9 @@ impl State {
 /// Counts of one query in one frame, pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FrameCount {
-    /// The query.
     pub query: QueryId,
     /// Canonical frame.
     pub frame: u32,
-    /// What happened.
     pub state: State,
     /// Pixels in both.
     pub intersection: u64,

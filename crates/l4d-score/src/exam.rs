@@ -35,7 +35,6 @@ pub struct Exam {
 /// One scene of an exam.
 #[derive(Debug, Clone)]
 pub struct SceneExam {
-    /// The scene.
     pub name: Name,
     /// Its spatial scale.
     pub scale: Scale,

@@ -43,7 +43,6 @@ pub enum GroupKind {
     Size,
     /// [`crate::traits::Occlusion`] of the target.
     Occlusion,
-    /// The scene.
     Scene,
     /// A single query.
     Query,
@@ -69,7 +68,6 @@ pub struct Group {
     pub scenes: usize,
     /// Whether these are too few scenes for its intervals to be trusted.
     pub few_scenes: bool,
-    /// Its numbers.
     #[serde(flatten)]
     pub estimates: Estimates,
 }

@@ -49,9 +49,7 @@ impl Options {
 /// What the metrics must know of a query.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QueryFacts {
-    /// The query.
     pub id: QueryId,
-    /// Its categories.
     pub categories: Vec<Category>,
     /// Scale of its scene.
     pub scale: Scale,
@@ -118,7 +116,6 @@ impl Sums {
 /// The sums of one query.
 #[derive(Debug, Clone)]
 pub struct QueryTally {
-    /// The query.
     pub facts: QueryFacts,
     /// Frames without an answer.
     pub missing_frames: u64,

@@ -69,7 +69,6 @@ pub struct Summary {
     pub rejected_queries: usize,
     /// Queries whose target is visible in no scored frame; they enter no mean of it.
     pub never_present: Vec<QueryId>,
-    /// The numbers.
     #[serde(flatten)]
     pub scores: Breakdown,
 }

@@ -114,7 +114,6 @@ pub(crate) fn percent(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"))
 }
 
-/// A paragraph.
 pub(crate) fn wrapped(text: &str) -> String {
     wrap(text, 100).join("\n") + "\n"
 }

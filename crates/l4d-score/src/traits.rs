@@ -18,7 +18,6 @@ const HALF: f64 = 0.5;
 pub enum Size {
     /// Below [`SMALL`].
     Small,
-    /// Between.
     Medium,
     /// At least [`LARGE`].
     Large,
@@ -44,7 +43,6 @@ pub struct Traits {
     pub temporal: Temporal,
     /// None if the target is visible in no frame in which it is asked for.
     pub size: Option<Size>,
-    /// As above.
     pub occlusion: Option<Occlusion>,
 }
 

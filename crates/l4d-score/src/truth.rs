@@ -73,13 +73,11 @@ impl TruthMask {
 /// One instance in the held-out view.
 #[derive(Debug, Clone)]
 pub struct TruthInstance {
-    /// Instance name.
     pub name: Name,
     /// Value of the `id` channel.
     pub id: u32,
     /// Object or landmark.
     pub role: Role,
-    /// Common noun.
     pub category: String,
     /// One entry per annotated frame; none where no pixel is visible.
     pub masks: Vec<Option<TruthMask>>,
@@ -88,9 +86,7 @@ pub struct TruthInstance {
 /// The truth of one scene.
 #[derive(Debug, Clone)]
 pub struct SceneTruth {
-    /// Scene name.
     pub scene: Name,
-    /// Spatial scale.
     pub scale: Scale,
     /// Pixels.
     pub width: u32,

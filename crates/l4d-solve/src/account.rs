@@ -21,12 +21,10 @@ pub(crate) enum Stage {
     Masks,
 }
 
-/// One stage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Entry {
     pub(crate) stage: Stage,
-    /// Wall time.
     pub(crate) seconds: f64,
     /// The most memory of the process since it began; null where the system does not tell.
     pub(crate) peak_memory_bytes: Option<u64>,

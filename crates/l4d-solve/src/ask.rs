@@ -36,9 +36,7 @@ const SHEET: &str = "sheet.png";
 
 /// What is asked, of which scene, and from where it is looked at.
 pub struct Ask<'a> {
-    /// Scene.
     pub scene: Name,
-    /// The sentence.
     pub text: &'a str,
     /// First and last moment that are asked about; none for those of the clip.
     pub span: [Option<Moment>; 2],
@@ -56,7 +54,6 @@ pub struct Ask<'a> {
     pub grounders: &'a Grounders,
     /// The rest of the method.
     pub method: &'a MethodChoice,
-    /// What draws.
     pub rasterizer: &'a dyn Rasterizer,
     /// What it draws on, for manifests; none for the processor.
     pub adapter: Option<Value>,

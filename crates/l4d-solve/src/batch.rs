@@ -48,7 +48,6 @@ pub struct Batch<'a> {
     pub settings: SolveSettings,
     /// Which clips are looked at.
     pub clips: ClipSettings,
-    /// What draws.
     pub rasterizer: &'a dyn Rasterizer,
     /// What it draws on, for manifests; none for the processor.
     pub adapter: Option<Value>,

@@ -61,13 +61,11 @@ impl Places {
 /// A scene that can be asked about.
 #[derive(Debug)]
 pub struct SolveScene {
-    /// Its name.
     pub name: Name,
     /// How much is rendered.
     pub profile: Profile,
     /// Its cameras.
     pub rig: Rig,
-    /// Its model.
     pub source: Source,
     /// What the chosen views show.
     pub clips: Vec<ViewClip>,

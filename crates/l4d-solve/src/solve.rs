@@ -39,9 +39,7 @@ pub struct SolveSettings {
 pub struct Method<'a> {
     /// What finds in one view what a sentence means.
     pub grounder: &'a dyn Grounder,
-    /// What draws.
     pub rasterizer: &'a dyn Rasterizer,
-    /// The rest.
     pub settings: &'a SolveSettings,
 }
 

@@ -14,7 +14,6 @@ use crate::view::View;
 pub struct Moment<Key> {
     /// From 0 (start of the clip) to 1 (its end).
     pub time: f32,
-    /// From where.
     pub views: Vec<(Key, View)>,
 }
 

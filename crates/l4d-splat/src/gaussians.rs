@@ -73,7 +73,6 @@ pub struct BadValue {
     pub field: &'static str,
     /// Which Gaussian.
     pub index: usize,
-    /// Its value.
     pub value: f32,
 }
 

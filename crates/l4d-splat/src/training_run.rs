@@ -70,7 +70,6 @@ impl fmt::Display for Initialisation {
 
 /// What is learned, and how.
 pub struct TrainingRequest<'a> {
-    /// Scene.
     pub scene: &'a Name,
     /// Which pictures of it.
     pub profile: Profile,
@@ -90,7 +89,6 @@ pub struct TrainingRequest<'a> {
     pub between_checkpoints: Duration,
     /// Replace a model that has other settings or pictures.
     pub overwrite: bool,
-    /// What draws.
     pub rasterizer: &'a dyn Rasterizer,
     /// What it draws on, for manifests; none for the processor.
     pub adapter: Option<Value>,

@@ -135,7 +135,6 @@ impl Dataset {
         self.folder.path().join("data")
     }
 
-    /// The benchmark.
     pub fn bench(&self) -> BenchDir {
         BenchDir::new(self.folder.path().join("benchmark"))
     }

@@ -13,7 +13,6 @@ use crate::{SIZE, instance, name, scene};
 /// What a thing looks like around its centre, metres.
 #[derive(Debug, Clone, Copy)]
 pub enum Shape {
-    /// Radius.
     Ball(f64),
     /// Full sides; one that is 0 makes a sheet, one that is infinite a floor or a wall.
     Block(DVec3),
@@ -26,7 +25,6 @@ pub struct Thing {
     pub id: u32,
     /// Its category is the part before `_`.
     pub name: &'static str,
-    /// Its form.
     pub shape: Shape,
     /// Its centre at a time, metres.
     pub centre: fn(f64) -> DVec3,

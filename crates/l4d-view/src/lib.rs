@@ -51,7 +51,6 @@ pub struct Request<'a> {
     pub rendered: Option<(&'a Scene, &'a SceneDir)>,
     /// Masks of the held-out view.
     pub truth: Option<&'a Truth>,
-    /// Sentences.
     pub queries: &'a [Query],
     /// Methods by name, at most [`MOST_METHODS`], whose masks are shown beside the truth.
     pub methods: &'a [(String, ResultsDir)],
@@ -70,7 +69,6 @@ pub struct Written {
     pub times: usize,
     /// Pictures of cameras, each with its depth and ids.
     pub pictures: usize,
-    /// Sentences.
     pub sentences: usize,
 }
 

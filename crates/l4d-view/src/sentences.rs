@@ -18,7 +18,6 @@ const MOST_BYTES: u64 = 64 << 20;
 /// Four-digit frame -> mask, null = the answer is that there is nothing. Without a key there is no answer.
 pub(crate) type Masks = BTreeMap<String, Option<Rle>>;
 
-/// A sentence.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Sentence {
     /// Its number in the scene.

@@ -23,7 +23,6 @@ impl ItemId {
         Self(format!("q{number:0width$}"))
     }
 
-    /// The text.
     pub fn as_str(&self) -> &str {
         &self.0
     }

@@ -22,7 +22,6 @@ use crate::{ItemId, Key, Round, RoundDir};
 /// A judged round.
 #[derive(Debug)]
 pub struct Judged {
-    /// Its folder.
     pub dir: RoundDir,
     /// What was asked.
     pub round: Round,

@@ -22,7 +22,6 @@ use crate::vote::{Answer, Choice};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Meaning {
-    /// Instances meant.
     pub referents: BTreeSet<Name>,
     /// How the sentence binds time.
     pub temporal: Temporal,
@@ -72,23 +71,19 @@ fn overlap(a: Interval, b: Interval) -> bool {
 pub enum ItemSource {
     /// A query that is voted on.
     Query {
-        /// Which.
         query: QueryId,
-        /// Its categories.
         categories: Vec<Category>,
         /// The right answer.
         meaning: Meaning,
     },
     /// Control: a sentence that nothing satisfies.
     Absent {
-        /// Which.
         query: QueryId,
         /// Nothing, in which scene.
         meaning: Meaning,
     },
     /// Control: the bare category of look-alikes.
     Vague {
-        /// The category.
         category: String,
         /// All of them.
         meaning: Meaning,
@@ -215,7 +210,6 @@ impl Key {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Change {
-    /// Nothing.
     No,
     /// Its text, its meaning or its scene was edited.
     Edited,

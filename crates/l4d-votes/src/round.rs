@@ -130,7 +130,6 @@ impl Round {
         write_atomic(&path, format!("{heading}\n{settings}").as_bytes())
     }
 
-    /// Its folder.
     pub fn dir(&self) -> &RoundDir {
         &self.dir
     }

@@ -15,7 +15,6 @@ impl RoundDir {
         Self(root.into())
     }
 
-    /// The folder.
     pub fn root(&self) -> &Path {
         &self.0
     }

@@ -105,9 +105,7 @@ pub struct Vote {
 pub struct ItemVerdict {
     /// The item that asked it.
     pub item: ItemId,
-    /// The query.
     pub query: QueryId,
-    /// Its categories.
     pub categories: Vec<Category>,
     /// The prompt as it was asked.
     pub text: String,

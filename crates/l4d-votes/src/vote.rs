@@ -19,10 +19,7 @@ pub enum Choice {
     /// Nothing in the scene.
     None,
     /// One cannot tell.
-    Ambiguous {
-        /// Why not.
-        reason: String,
-    },
+    Ambiguous { reason: String },
 }
 
 impl Choice {
@@ -40,7 +37,6 @@ impl Choice {
 /// A choice and when it holds.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Answer {
-    /// What.
     pub choice: Choice,
     /// When, canonical frames; the whole clip unless the annotator narrowed it.
     pub frames: Interval,
@@ -57,17 +53,13 @@ pub enum Event {
     /// Leaves the item without an answer; replaces an earlier answer.
     Skip,
     /// A remark; changes no answer.
-    Comment {
-        /// One line.
-        text: String,
-    },
+    Comment { text: String },
 }
 
 /// What was on the screen before the event.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShownFrames {
-    /// Views.
     pub views: BTreeSet<Name>,
     /// Canonical frames.
     pub frames: BTreeSet<u32>,

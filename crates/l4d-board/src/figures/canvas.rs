@@ -62,7 +62,6 @@ pub(crate) fn font(size: i32, colour: RGBColor) -> TextStyle<'static> {
     style
 }
 
-/// Bold ones.
 pub(crate) fn bold(size: i32) -> TextStyle<'static> {
     let mut style = TextStyle::from(("sans-serif", px(size), FontStyle::Bold).into_font());
     style.color = INK.to_backend_color();

@@ -20,7 +20,6 @@ pub const LONGEST_SIDE_PX: u32 = 320;
 
 /// In the place of a mask without a pixel.
 pub(crate) const NOTHING: i64 = -1;
-/// No answer.
 pub(crate) const MISSING: i64 = -2;
 
 /// Frames of a clip that the page shows, ascending: the annotated ones nearest to every [`STEP`]th, the last included.

@@ -7,7 +7,6 @@ use l4d_query::{Clause, Party, Predicate};
 use super::{Reader, Readings, distinct};
 use crate::lexicon::{Form, Way, Wording, lexicon};
 
-/// Article.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Article {
     The,

@@ -203,7 +203,6 @@ impl Reader<'_, '_> {
         found
     }
 
-    /// "tallest", "taller".
     pub(super) fn superlative(&self, at: usize) -> Readings<Clause> {
         let said = SUPERLATIVES.iter().filter_map(|(extreme, superlative, comparative)| {
             let end = self.any_of(at, superlative).or_else(|| self.any_of(at, comparative))?;

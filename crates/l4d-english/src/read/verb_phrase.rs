@@ -127,7 +127,6 @@ impl Reader<'_, '_> {
         found
     }
 
-    /// One clause.
     fn clause(&self, at: usize, form: Form, category: &str) -> Readings<Clause> {
         let at = self.skip(at, "still");
         if let Some(next) = self.any_of(at, "never not") {

@@ -14,7 +14,6 @@ const PARTICLES: [&str; 5] = ["up", "down", "over", "away", "open"];
 pub(super) enum Person {
     /// "that", "it", "she".
     Third,
-    /// "they".
     They,
 }
 

@@ -16,7 +16,6 @@ const MOST_STATES: usize = 60;
 const ARTICLES: &str = "the a an that this these those its his her their my your our some any each every another other others no both two three four \
     five only single sole same which whichever what whatever all various particular @some more";
 
-/// Article.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Article {
     The,

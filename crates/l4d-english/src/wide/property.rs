@@ -16,7 +16,6 @@ pub(super) enum Item {
     Part(Vec<String>),
     /// Wordings of the lexicon that say all of it.
     Whole(Vec<&'static Wording>),
-    /// "no", "without".
     No,
 }
 

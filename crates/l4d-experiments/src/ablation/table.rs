@@ -20,9 +20,7 @@ const ALL: &str = "all";
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Metric {
-    /// Mean accuracy.
     Macc,
-    /// Mean IoU.
     Miou,
     /// IoU over all frames together.
     TubeIou,
@@ -68,7 +66,6 @@ impl From<published::Metric> for Metric {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Source {
-    /// Here.
     Measured,
     /// Printed in the paper, of another data set.
     Published,
@@ -217,7 +214,6 @@ pub(super) fn settings(cells: &[Cell], source: Source) -> Vec<&str> {
     settings
 }
 
-/// One number.
 pub(super) fn cell<'a>(
     cells: &'a [Cell],
     source: Source,

@@ -21,7 +21,6 @@ pub(super) struct Subject<'a> {
     truth: Vec<Mask>,
 }
 
-/// One answer.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     pub(super) lift_seconds: f64,

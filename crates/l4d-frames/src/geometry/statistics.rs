@@ -60,7 +60,6 @@ pub struct Spread {
     pub p95: f64,
     /// 99 % lie below.
     pub p99: f64,
-    /// The largest.
     pub max: f64,
 }
 

@@ -29,7 +29,6 @@ pub(super) fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
 pub(super) struct LabTable(Vec<[f32; 3]>);
 
 impl LabTable {
-    /// All colours.
     pub(super) fn new() -> Self {
         let byte = |bits: usize| ((bits & 31) << 3 | 4) as u8;
         Self((0..1 << 15).map(|code| lab_of([byte(code >> 10), byte(code >> 5), byte(code)])).collect())

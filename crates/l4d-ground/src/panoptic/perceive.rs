@@ -42,7 +42,6 @@ pub(super) struct Body {
     pub(super) centre: DVec3,
     /// Lowest corner of the box around it, metres, world axes.
     pub(super) low: DVec3,
-    /// Highest corner.
     pub(super) high: DVec3,
     /// Some points of its surface, metres, world.
     pub(super) points: Vec<DVec3>,

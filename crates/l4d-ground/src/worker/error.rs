@@ -26,7 +26,6 @@ pub enum WorkerError {
     /// A mask, a frame or an object that was not asked for. The process goes on.
     #[error("the answer of the worker `{worker}` is of no use: {message}")]
     Answer {
-        /// Its name.
         worker: String,
         /// What is wrong with it.
         message: String,
@@ -34,17 +33,14 @@ pub enum WorkerError {
     /// It refused, in its own words. The process goes on.
     #[error("the worker `{worker}` says `{kind}`: {message}")]
     Refused {
-        /// Its name.
         worker: String,
         /// Kind of its error: `bad_text`, `bad_prompt`, `frames`, `oom`, `internal`.
         kind: String,
-        /// Its words.
         message: String,
     },
     /// It cannot do what is asked of it at all.
     #[error("the worker `{worker}` cannot be used here: {message}")]
     Unfit {
-        /// Its name.
         worker: String,
         /// What it lacks.
         message: String,

@@ -16,7 +16,6 @@ pub(super) const PROTOCOL: u32 = 1;
 pub struct Hello {
     /// Version of the protocol.
     pub(super) protocol: u32,
-    /// Its name.
     pub name: String,
     /// Kinds of prompts that it takes: `box`, `text`.
     #[serde(default)]

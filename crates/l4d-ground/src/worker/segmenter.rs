@@ -42,7 +42,6 @@ pub(crate) enum ClipPrompt {
         /// Pixels of the clip.
         place: BoxPx,
     },
-    /// Words.
     Text(String),
 }
 

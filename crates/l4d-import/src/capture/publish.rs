@@ -21,7 +21,6 @@ const HEADING: &str = "Real scenes. Their pictures stay where they came from; qu
 /// What was written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Published {
-    /// The truth.
     pub truth: PathBuf,
     /// Where the queries are, or are to be written.
     pub queries: PathBuf,

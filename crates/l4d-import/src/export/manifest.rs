@@ -35,11 +35,9 @@ pub struct Manifest {
     pub schema: String,
     /// False while it is being written.
     pub complete: bool,
-    /// The scene.
     pub scene: Name,
     /// Profile that it was rendered in; `real` for captures.
     pub profile: Profile,
-    /// The layout.
     pub format: String,
     /// What is shown of the held-out camera: `nothing`, `pose` or `pictures`.
     pub held_out: String,
@@ -69,7 +67,6 @@ pub struct Manifest {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Called {
-    /// Our name.
     pub name: Name,
     /// Whether it is the held-out camera.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

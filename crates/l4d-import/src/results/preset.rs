@@ -67,7 +67,6 @@ pub struct Preset {
 pub struct LatentsPreset {
     /// Levels, in the order in which equals win.
     pub levels: Vec<u64>,
-    /// The rules.
     pub rules: Rules,
     /// Where the weights of the autoencoder may be, if none are given.
     #[serde(default)]

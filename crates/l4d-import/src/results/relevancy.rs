@@ -34,7 +34,6 @@ pub enum Smoothing {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rules {
-    /// Which smoothing.
     pub smoothing: Smoothing,
     /// Inside is what lies above `(1 + threshold) / 2` of the map's own range.
     pub threshold: f32,
@@ -52,7 +51,6 @@ pub struct Latents<'a> {
     pub height: u32,
     /// Numbers a pixel.
     pub channels: usize,
-    /// All numbers.
     pub data: &'a [f32],
 }
 
@@ -74,7 +72,6 @@ pub struct Found {
 /// Where the mean over the window alone is highest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Summit {
-    /// How high.
     pub height: f32,
     /// The pixel, the first of equals row by row: its centre, as a share of width and of height.
     pub at: [f64; 2],

@@ -60,7 +60,6 @@ impl Hit {
         self.captures.get(field)?.parse().ok()
     }
 
-    /// A field.
     pub(super) fn text(&self, field: &str) -> Option<&str> {
         self.captures.get(field).map(String::as_str)
     }

@@ -31,7 +31,6 @@ pub(super) enum Outcome {
     Candidate(Query),
     /// Sound as far as it can be seen without a predicate, which a person adds; with what is known about why.
     NeedsPredicate(Query, Vec<Reason>),
-    /// Not taken.
     Failed(Vec<Reason>),
 }
 

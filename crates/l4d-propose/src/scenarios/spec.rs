@@ -51,7 +51,6 @@ pub(super) struct Group {
     pub(super) members: Vec<Member>,
 }
 
-/// One object.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Member {
     /// Category and role.

@@ -16,7 +16,6 @@ use crate::ast::{Clause, Predicate};
 /// What the benchmark says of one scene.
 #[derive(Debug)]
 pub struct SceneSet {
-    /// Its name.
     pub scene: Name,
     /// Where everything is.
     pub tracks: Tracks,

@@ -31,11 +31,8 @@ pub struct Thing {
 /// Something that is believed to happen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BelievedEvent {
-    /// Who acts.
     pub subject: Name,
-    /// Base form.
     pub verb: String,
-    /// To whom.
     pub object: Option<Name>,
     /// How far, when.
     pub degree: Degrees,
@@ -64,7 +61,6 @@ impl Happens for BelievedEvent {
 /// What a name in a predicate stands for.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Meant {
-    /// This thing.
     Thing(Name),
     /// What this describes.
     Such(Predicate),

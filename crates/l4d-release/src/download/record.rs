@@ -24,7 +24,6 @@ pub(super) struct Record {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Unpacked {
-    /// Its digest.
     pub(super) sha256: String,
     /// Folder of what it became.
     pub(super) target: PathBuf,

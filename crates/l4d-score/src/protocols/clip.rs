@@ -16,7 +16,6 @@ pub type Summits = BTreeMap<(QueryId, u32), [f64; 2]>;
 /// One query over the annotated frames of a clip.
 #[derive(Debug)]
 pub(super) struct Clip<'a> {
-    /// The query.
     pub(super) query: &'a Query,
     /// Its frames, ascending.
     pub(super) seen: Vec<Seen<'a>>,
@@ -114,7 +113,6 @@ impl Seen<'_> {
 /// A mean over frames of one query, 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Value {
-    /// The mean.
     pub mean: f64,
     /// Frames that it rests on.
     pub frames: u64,
@@ -142,7 +140,6 @@ impl Value {
 /// What the source leaves out or counts without an answer, and how much of it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct LeftOut {
-    /// In words.
     pub what: Cow<'static, str>,
     /// Queries that are concerned.
     pub queries: u64,

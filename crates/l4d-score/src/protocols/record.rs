@@ -78,7 +78,6 @@ impl Origin {
 pub struct Record {
     /// What it is of.
     pub origin: Origin,
-    /// The numbers.
     pub sheet: Sheet,
 }
 

@@ -27,7 +27,6 @@ const SKIPPED: &str = "have no answer and are left out by request, where the sou
 /// What a protocol says of all methods of a folder that have no error.
 #[derive(Debug)]
 pub struct Protocolled {
-    /// The protocol.
     pub protocol: Protocol,
     /// One sheet a method, in the order of their names.
     pub sheets: Vec<Sheet>,

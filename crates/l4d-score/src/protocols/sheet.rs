@@ -13,18 +13,14 @@ use crate::table::{NAME_WIDTH, line, percent, wrapped};
 /// What a protocol says of one query.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// The query.
     pub id: QueryId,
-    /// The values.
     pub judged: Judged,
 }
 
 /// What a protocol says of one method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sheet {
-    /// The protocol.
     pub protocol: Protocol,
-    /// The method.
     pub method: Name,
     /// One row a query, in the order of scenes and queries.
     pub rows: Vec<Row>,

@@ -35,7 +35,6 @@ pub enum Status {
 pub struct Answer {
     /// How it ended.
     pub status: Status,
-    /// One line.
     pub message: String,
     /// How sure the grounder is; none where there is no answer, or where it does not say.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -261,7 +261,6 @@ impl ClipsFolder {
         self.root.join("manifest.json")
     }
 
-    /// The folder.
     pub fn root(&self) -> &Path {
         &self.root
     }

@@ -19,7 +19,6 @@ pub struct PictureIndex {
 /// A time that is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instant {
-    /// File stem.
     pub key: String,
     /// Number on the timeline; none for times between frames, at which moving cameras have no pose.
     pub frame: Option<u32>,
@@ -57,7 +56,6 @@ pub(crate) fn instants_at(times: &[f32], cameras: &[Camera]) -> Result<Vec<Insta
 /// Cameras, times and the size of the pictures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// From where.
     pub cameras: Vec<Camera>,
     /// Width and height, pixels, that the numbers of the cameras belong to.
     pub camera_size: [u32; 2],

@@ -17,9 +17,7 @@ pub struct Proposal<'a> {
 pub(super) enum Part {
     /// It is judged, and judges.
     Found,
-    /// It judges.
     Absent,
-    /// Neither.
     NoAnswer,
 }
 

@@ -136,7 +136,6 @@ impl Consensus {
 }
 
 impl Decision {
-    /// For people.
     fn sentence(self) -> &'static str {
         match self {
             Self::Off => "consensus is off, all that found something",

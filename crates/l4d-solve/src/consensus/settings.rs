@@ -90,7 +90,6 @@ pub enum Visibility {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Against {
-    /// It disagrees.
     Disagrees,
     /// It is left out.
     LeftOut,
@@ -120,7 +119,6 @@ pub enum GroupRule {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NoneReliable {
-    /// Nothing.
     Abstain,
     /// The best view that has a vote.
     BestView,
@@ -146,7 +144,6 @@ impl Preset {
         }
     }
 
-    /// One word.
     pub fn word(self) -> &'static str {
         match self {
             Self::Paper => "paper",

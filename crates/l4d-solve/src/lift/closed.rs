@@ -47,7 +47,6 @@ pub struct ClosedSettings {
 }
 
 impl ClosedSettings {
-    /// The default.
     pub fn robust() -> Self {
         Self {
             steps: 2,
@@ -172,7 +171,6 @@ struct Solution<'a> {
 }
 
 impl<'a> Solution<'a> {
-    /// The vote.
     fn new(votes: &[Votes], state_of: &'a [u32]) -> Self {
         let count = votes.first().map_or(0, |votes| votes.inside.len());
         let states = state_of.iter().max().map_or(0, |&last| last as usize + 1);

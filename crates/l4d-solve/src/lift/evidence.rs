@@ -33,7 +33,6 @@ pub struct EvidenceFrame {
     pub frame: u32,
     /// The same from 0 to 1.
     pub time: f32,
-    /// From where.
     pub view: View,
     /// What is meant; empty says that it is not seen.
     pub mask: Mask,

@@ -112,7 +112,6 @@ pub enum Moments {
 /// What the export says that a model was trained on.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Export {
-    /// The scene.
     pub scene: Name,
     /// Profile of its pictures.
     pub profile: Profile,
@@ -151,11 +150,9 @@ impl Export {
 /// A model as 4DGaussians stores it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForeignModel {
-    /// Which save.
     pub save: Save,
     /// The canonical Gaussians.
     pub gaussians: Gaussians,
-    /// The field.
     pub field: DeformationField,
     /// What its Gaussians mean, of stages with language.
     pub language: Option<Language>,

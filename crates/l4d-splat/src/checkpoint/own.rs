@@ -50,7 +50,6 @@ const TRAINING: &str = "training/";
 /// A model, where it comes from, and how far its training got.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Checkpoint {
-    /// The model.
     pub model: Model,
     /// Steps of training so far.
     pub iteration: u64,

@@ -13,7 +13,6 @@ use crate::splats::Splats;
 pub struct Agreement {
     /// Largest deviation relative to the largest gradient of the field, beyond what rounding explains.
     pub error: f64,
-    /// Derivatives compared.
     pub compared: usize,
     /// Derivatives not compared, because a threshold lies within the step.
     pub skipped: usize,

@@ -11,11 +11,9 @@ use crate::view::View;
 /// Splats, and how they are looked at.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// For tables.
     pub name: &'static str,
     /// What is drawn.
     pub splats: Splats,
-    /// From where.
     pub view: View,
     /// With which constants.
     pub settings: RasterSettings,

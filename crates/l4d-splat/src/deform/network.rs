@@ -8,7 +8,7 @@ use super::matmul;
 /// A linear layer, or its gradient.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Linear {
-    /// \[outputs\]\[inputs\].
+    /// Row-major: outputs x inputs.
     pub(super) weight: Vec<f32>,
     /// One an output.
     pub(super) bias: Vec<f32>,

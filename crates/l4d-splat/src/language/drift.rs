@@ -24,7 +24,7 @@ pub(super) struct Drift {
 
 #[derive(Debug, Clone, PartialEq)]
 struct Layer {
-    /// \[outputs\]\[inputs\].
+    /// Row-major: outputs x inputs.
     weight: Vec<f32>,
     bias: Vec<f32>,
 }

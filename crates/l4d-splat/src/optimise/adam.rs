@@ -23,17 +23,14 @@ pub struct Moments {
 pub struct Group {
     /// What errors call it.
     pub name: String,
-    /// The rate.
     pub rate: LearningRate,
     /// Factors on the rate by place in a row of as many numbers; empty for none.
     pub pattern: Vec<f32>,
     /// One per list.
     pub moments: Vec<Moments>,
-    /// Steps taken.
     pub steps: u64,
 }
 
-/// The optimiser.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Adam {
     /// Groups in the order in which [`Self::step`] takes their shares.

@@ -30,11 +30,8 @@ const SIDES: [u32; 4] = [75, 50, 35, 25];
 
 /// Something that draws.
 pub struct Backend {
-    /// In figures.
     pub label: String,
-    /// In full.
     pub name: String,
-    /// What draws.
     pub rasterizer: Box<dyn Rasterizer>,
     /// Threads that it may use; none for all.
     pub pool: Option<ThreadPool>,

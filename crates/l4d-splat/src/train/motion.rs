@@ -195,7 +195,6 @@ fn background_of(camera: &TrainingCamera, size: [u32; 2], needed: usize) -> (Bac
 
 /// What a pixel mostly shows.
 struct UsualColour {
-    /// Median.
     colour: [f32; 3],
     /// Standard deviation of what has nothing to do with the scene.
     noise: [f32; 3],

@@ -32,7 +32,6 @@ pub(super) struct Point {
     pub(super) position: [f32; 3],
     /// Display colour, 0 to 1.
     pub(super) colour: [f32; 3],
-    /// Unit vector.
     pub(super) normal: [f32; 3],
     /// Metres to the next point that the detail of its surroundings asks for.
     pub(super) spacing_m: f32,

@@ -39,7 +39,6 @@ pub(super) struct DensityStats {
     pub(super) gradient_norms: Vec<f32>,
     /// Pictures in which they were visible.
     pub(super) seen: Vec<f32>,
-    /// Largest opacity.
     pub(super) peak: Vec<f32>,
 }
 

@@ -67,7 +67,6 @@ impl Evidence {
 /// A query whose status is not the one that the votes give it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StatusChange {
-    /// Which query.
     pub query: QueryId,
     /// Where it is written.
     pub file: PathBuf,

@@ -125,7 +125,6 @@ impl Images {
         first.map(|&first| Self::read(&hit.path, first)).transpose()
     }
 
-    /// The document.
     pub(super) fn path(&self) -> &Path {
         &self.path
     }

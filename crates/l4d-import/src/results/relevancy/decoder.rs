@@ -57,7 +57,6 @@ impl Decoder {
         Self::from_tensors(&tensors).map_err(|fault| fault.at(path))
     }
 
-    /// The layers.
     pub fn layers(&self) -> &[Layer] {
         &self.layers
     }

@@ -76,7 +76,6 @@ impl Texts {
 pub struct TextsFile {
     /// The sentences, in the order of the vectors.
     pub queries: Vec<String>,
-    /// Their vectors.
     pub texts: Texts,
 }
 

@@ -12,7 +12,6 @@ use l4d_masks::Mask;
 /// What a thing looks like around its centre, metres.
 #[derive(Clone, Copy)]
 pub(crate) enum Shape {
-    /// Radius.
     Sphere(f64),
     /// Half sides.
     Box(DVec3),
