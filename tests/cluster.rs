@@ -104,7 +104,7 @@ fn what_cannot_be_run_is_refused_before_anything_is_written() {
     let dir = Dir::new();
     let refused = |more: &str, words: &[&str]| Run::from(init(&dir, more).output().unwrap()).refused(words);
     refused("--scenes moon_base", &["moon_base", "choose among", "room_office"]);
-    refused("--engine local --partition long", &["--partition is Slurm's"]);
+    refused("--engine local --partition long", &["--partition does not apply to --engine local"]);
     refused("--profile real", &["real scenes are not rendered"]);
     refused("--data 'my data'", &["my data", "command lines"]);
     assert!(!dir.path("cluster").exists());

@@ -27,6 +27,7 @@ impl Benchmark {
         Ok(Self { profile: parse_profile(profile)?, bench: data::Benchmark::open(path)? })
     }
 
+    /// Title.
     #[getter]
     fn name(&self) -> &str {
         &self.bench.manifest.name

@@ -23,6 +23,7 @@ const MAX_BYTES: u64 = 1 << 30;
 /// Its frames have numbers of their own; `is_metric` says whether a unit of its world is a metre.
 #[pyclass(frozen, module = "l4d")]
 pub(crate) struct Capture {
+    /// Scene name.
     #[pyo3(get)]
     name: String,
     /// Who recorded it.

@@ -18,6 +18,7 @@ pub(crate) struct Query {
     /// Name of its scene.
     #[pyo3(get)]
     scene: String,
+    /// The sentence.
     #[pyo3(get)]
     text: String,
     /// One of `"attribute"`, `"action"`, `"spatial"`, `"interaction"`, or two for a composite.
@@ -108,6 +109,7 @@ pub(crate) struct Instance {
     name: String,
     /// `"object"` (queries may refer to it) or `"landmark"` (only named in relations).
     role: String,
+    /// Common noun.
     category: String,
     /// Visible properties, for example `{"colour": "red"}`.
     attributes: BTreeMap<String, String>,

@@ -72,6 +72,7 @@ impl ResultsWriter {
         &self.card.name
     }
 
+    /// The folder.
     #[getter]
     fn path(&self) -> PathBuf {
         self.dir.root().to_owned()

@@ -23,6 +23,7 @@ use crate::timeline::Timeline;
 /// Pictures are read when they are asked for; nothing is kept in memory.
 #[pyclass(frozen, module = "l4d")]
 pub(crate) struct Scene {
+    /// Scene name.
     #[pyo3(get)]
     name: String,
     /// `"outdoor"`, `"room"` or `"tabletop"`.

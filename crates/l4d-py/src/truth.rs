@@ -67,6 +67,7 @@ impl Truth {
 
 #[pymethods]
 impl Truth {
+    /// Scene name.
     #[getter]
     fn scene(&self) -> &str {
         &self.truth.scene

@@ -27,11 +27,6 @@ pub(crate) fn run(command: &ClusterCommand, out: &Printer) -> Result<ExitStatus>
 
 fn init(args: &ClusterInitArgs, out: &Printer) -> Result<ExitStatus> {
     let is_slurm = args.engine == Engine::Slurm;
-    for (option, given) in [("--partition", &args.partition), ("--account", &args.account)] {
-        if given.is_some() && !is_slurm {
-            return Err(refusal(format!("{option} is Slurm's"), "leave it out, or choose --engine slurm"));
-        }
-    }
     let bench = Benchmark::open(&args.bench.bench)?;
     let scenes = bench.select(&args.bench.scenes)?;
     let queries = scenes.iter().map(|scene| Ok(bench.queries(scene)?.len())).collect::<Result<Vec<_>>>()?;
