@@ -67,7 +67,7 @@ fn stand_in(dir: &Dir, name: &str, script: &str) {
 
 /// An `apt-get` that brings all that is recognised, at once, and writes down how it was called.
 fn with_apt(dir: &Dir) {
-    let programs = "for name in cc kill python3 uv tmux chromium slurmctld slurmd sbatch munged; do echo >\"bin/$name\"; chmod +x \"bin/$name\"; done
+    let programs = "for name in cc kill python3 uv tmux chromium; do echo >\"bin/$name\"; chmod +x \"bin/$name\"; done
         mkdir -p share/vulkan/icd.d; echo >share/vulkan/icd.d/lvp.json
         for name in libX11.so.6 libXrender.so.1 libXfixes.so.3 libXi.so.6 libxkbcommon.so.0 libGL.so.1 libvulkan.so.1; do
             echo \"$name (libc6) => /usr/lib/$name\" >>libraries; done";

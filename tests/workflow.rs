@@ -13,6 +13,7 @@ use crate::support::{Dir, l4d, root, succeed};
 const SCENE: &str = "tabletop_0515";
 
 #[test]
+#[ignore = "slow: makes an environment with Snakemake, waits for Slurm's daemons"]
 fn jobs_leave_what_the_bare_verbs_leave() {
     let environment = Environment {
         requirements: root().join("workflow/tests/requirements.txt"),
