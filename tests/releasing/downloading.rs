@@ -229,7 +229,7 @@ fn only_what_is_asked_comes() {
     let refused = |more: &str, words: &[&str]| {
         dir.run(format!("download {RELEASE} {THERE} {more}")).says(2, words);
     };
-    refused("--scenes room_livin_cats", &["room_livin_cats", "did you mean room_living_cats?"]);
+    refused("--scenes room_livin_cats", &["room_livin_cats", "did you mean `room_living_cats`?"]);
     refused("--parts colour", &["--parts", "colour,depth"]);
     dir.run("download nowhere").says(2, &["nowhere", "no such folder"]);
     dir.run("download ftp://example.org").says(2, &["neither http nor https"]);

@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use l4d_data::camera::Split;
 use l4d_data::digest::{sha256_file, sha256_hex};
 use l4d_data::layout::{SceneDir, WorkDir};
+use l4d_data::name::choose_among;
 use l4d_data::store::{FolderLock, write_atomic};
 use l4d_data::{DataError, Name, Profile, Progress, Report, StageError, json, sums};
 use serde::{Deserialize, Serialize};
@@ -304,7 +305,7 @@ impl<'a> Opened<'a> {
             let Some(name) = known.keys().find(|name| name.as_str() == asked) else {
                 let names: Vec<&str> = known.keys().map(|name| name.as_str()).collect();
                 let message = format!("{}: the release has no scene `{asked}`", self.base.name(FILE));
-                return Err(StageError::new(message, did_you_mean(asked, &names)));
+                return Err(StageError::new(message, choose_among(asked, &names)));
             };
             scenes.push(name.clone());
         }
@@ -398,41 +399,4 @@ fn list_files(record: &Record, dir: &SceneDir) -> Result<(), DataError> {
         return Ok(());
     }
     write_atomic(&dir.checksums(), sums::to_text(&listed).as_bytes())
-}
-
-/// The known name that is nearest to a wrong one, or all of them.
-fn did_you_mean(asked: &str, known: &[&str]) -> String {
-    let nearest = known.iter().map(|name| (edits(asked, name), *name)).min();
-    match nearest {
-        Some((edits, name)) if edits <= 1 + asked.len() / 4 => format!("did you mean {name}?"),
-        _ => format!("choose among {}", known.join(", ")),
-    }
-}
-
-/// How many letters have to be added, removed or replaced to make the one name the other.
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (index, letter) in a.chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], index + 1);
-        for (column, other) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(letter != *other);
-            diagonal = row[column + 1];
-            row[column + 1] = replaced.min(diagonal + 1).min(row[column] + 1);
-        }
-    }
-    row.last().copied().unwrap_or_default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_nearest_name_is_offered_unless_none_is_near() {
-        let known = ["room_living_cats", "tabletop_tea"];
-        assert_eq!(did_you_mean("room_livin_cat", &known), "did you mean room_living_cats?");
-        assert_eq!(did_you_mean("harbour", &known), "choose among room_living_cats, tabletop_tea");
-        assert_eq!([edits("kitten", "sitting"), edits("", "ab"), edits("ab", "ab")], [3, 2, 0]);
-    }
 }
