@@ -1,6 +1,8 @@
 //! The folders and the profile that a command line named, and commands in hints with the same ones: what a hint says can
 //! be pasted.
 
+use std::sync::LazyLock;
+
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Command, CommandFactory as _};
 
@@ -10,6 +12,9 @@ use super::Cli;
 const CARRIED: [&str; 4] = ["bench", "profile", "data", "work"];
 /// Who has this keeps environments under `--work`, others models: these folders need not be the same.
 const KEEPS_ENVIRONMENTS: &str = "blender_scripts";
+
+/// Made once: a report may complete the hints of thousands of findings.
+static GRAMMAR: LazyLock<Command> = LazyLock::new(Cli::command);
 
 /// Such options of a command line.
 #[derive(Debug, Default)]
@@ -38,6 +43,9 @@ impl Given {
 
     /// A text in which every `l4d` command in backticks has these options too, where its verb has them.
     pub(crate) fn complete(&self, text: &str) -> String {
+        if self.options.is_empty() {
+            return text.to_owned();
+        }
         let parts = text.split('`').enumerate().map(|(place, part)| match part.strip_prefix("l4d ") {
             Some(words) if place % 2 == 1 => format!("l4d {}", self.completed(words)),
             _ => part.to_owned(),
@@ -46,10 +54,10 @@ impl Given {
     }
 
     fn completed(&self, line: &str) -> String {
-        let mut verb = Cli::command();
+        let mut verb: &Command = &GRAMMAR;
         for word in line.split_whitespace() {
             let Some(below) = verb.find_subcommand(word) else { break };
-            verb = below.clone();
+            verb = below;
         }
         let names = |id: &str| line.split_whitespace().position(|word| word == format!("--{id}"));
         let profile = self.options.iter().find(|(id, _)| *id == "profile").map(|(_, value)| value.as_str());
@@ -59,10 +67,10 @@ impl Given {
         for (id, value) in &self.options {
             let fits = match *id {
                 "data" => !is_elsewhere,
-                "work" => has(&verb, KEEPS_ENVIRONMENTS) == self.keeps_environments,
+                "work" => has(verb, KEEPS_ENVIRONMENTS) == self.keeps_environments,
                 _ => true,
             };
-            if fits && has(&verb, id) && !line.split_whitespace().any(|word| word == format!("--{id}")) {
+            if fits && has(verb, id) && !line.split_whitespace().any(|word| word == format!("--{id}")) {
                 line.push_str(&format!(" --{id} {}", quoted(value)));
             }
         }
