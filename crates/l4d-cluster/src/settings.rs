@@ -135,7 +135,7 @@ impl Settings<'_> {
         let text = match self.engine {
             Engine::Local => LOCAL.to_owned(),
             Engine::Slurm => self.slurm(with_value(SLURM, "jobs", &jobs)?, &runtime)?,
-            // Folders are in the settings; the template has them for those who use it as it is.
+            // config.yaml has the folders; the template names them for those who use it by hand.
             Engine::Kubernetes => {
                 let text = with_value(KUBERNETES, "jobs", &jobs)?;
                 let lines = text.lines().filter(|line| *line != "config:" && !is_setting(line));

@@ -119,8 +119,11 @@ pub fn ask(order: &Ask<'_>, progress: &dyn Progress) -> Result<Asked, StageError
     // A scene that is not there is an error later, with what makes it.
     let rig = Rig::read(&places.data.rig(order.space.profile()));
     let timeline = rig.map_or(Timeline::CANONICAL, |rig| rig.timeline());
-    let number = known.number_of(text);
-    let spoken = span::in_sentence(text).filter(|_| number.is_none());
+    // A sentence of the benchmark is asked as it stands.
+    let spoken = match known.number_of(text) {
+        Some(_) => None,
+        None => span::in_sentence(text),
+    };
     let (text, spoken) = match &spoken {
         Some((rest, span)) => (rest.as_str(), Some(*span)),
         None => (text, None),
@@ -130,7 +133,7 @@ pub fn ask(order: &Ask<'_>, progress: &dyn Progress) -> Result<Asked, StageError
         return Err(StageError::new("the sentence says when, and so do --from and --to", hint));
     }
     let range = span::interval(spoken.unwrap_or(order.span), timeline)?;
-    let number = number.or_else(|| known.number_of(text));
+    let number = known.number_of(text);
     let question = Question { scene: order.scene.clone(), number, text: text.to_owned(), range };
     if question.number.is_none() && order.grounders.knows_queries_alone() {
         return Err(known.refusal(order.grounder, text));
@@ -203,7 +206,6 @@ fn answer(
     Ok(Asked { question, answer, stages: Some(stages) })
 }
 
-/// The frames that are asked about; none for the whole clip.
 fn folder(order: &Ask<'_>, work: &WorkDir, made_from: &str) -> PathBuf {
     let digest = sha256_hex(made_from.as_bytes());
     let short: String = digest.chars().take(16).collect();

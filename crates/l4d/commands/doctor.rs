@@ -1,4 +1,4 @@
-//! `l4d doctor`: one line for each thing that a stage needs, with the hint where it lacks.
+//! `l4d doctor`: one line for each thing that a stage needs, and what to do where it is missing.
 
 use std::borrow::Cow;
 use std::path::Path;

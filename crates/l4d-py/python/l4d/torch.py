@@ -74,8 +74,8 @@ class Scenes(Dataset[Sample]):
 
     `paths` are one or several of: a scene (`data/tiny/tabletop_tea`), a folder of scenes (`data/tiny`), a shard
     (`shards/tiny/tabletop_tea-train-000.tar`), a folder of shards. `split` is `"train"`, `"test"` (the held-out view, which
-    methods must not look at) or None for both; `parts` are some of `"colour"`, `"depth"` and `"ids"`; `exact_depth=False` leaves
-    out what 16 bits of depth do not hold, which is quicker to read. `scenes`, `views` and `frames` choose among what there is.
+    methods must not look at) or None for both; `parts` are some of `"colour"`, `"depth"` and `"ids"`; `exact_depth=False` rounds
+    depth to 16 bits, which is quicker to read. `scenes`, `views` and `frames` keep the pictures that they name.
 
     Nothing is kept in memory. Each worker of a `DataLoader` opens files of its own, whether it is forked or spawned.
     """
