@@ -74,7 +74,7 @@ impl GrounderFile {
     /// # Errors
     /// It cannot be read, or has another form.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        toml_file::read(path, "see docs/grounders.md for the fields of a grounder's file")
+        toml_file::read(path, "see docs/workers.md for the fields of a grounder's file")
     }
 
     /// How model and segmenter work together; none where no model is asked.

@@ -1,7 +1,7 @@
 //! How sure an answer is, and what nearly was the answer.
 //!
 //! The confidence is the mean over all views of what each says of its own choice, 0 for a view that found nothing. What
-//! it is worth was counted on `benchmark/dev` (docs/panopticquery.md, "How sure an answer is").
+//! it is worth was counted on `benchmark/dev` (docs/notes/panopticquery.md, "How sure an answer is").
 
 use std::fmt;
 

@@ -54,7 +54,7 @@ pub struct ConsensusSettings {
     pub none_reliable: NoneReliable,
     /// What goes on if the votes decide nothing: groups of views tie, or no view is reliable and there is no best one. `paper`
     /// abstains: its words end at "pruned". `robust` keeps all candidates: an empty answer is never better than they
-    /// are (docs/panopticquery.md, "Consensus against none").
+    /// are (docs/notes/panopticquery.md, "Consensus against none").
     pub undecided: Undecided,
 }
 
