@@ -2,6 +2,7 @@
 
 mod browser;
 mod viewing;
+mod voting;
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -323,10 +324,20 @@ fn greyed([red, green, blue]: [f64; 3]) -> f64 {
     0.62 * (0.299 * red + 0.587 * green + 0.114 * blue) + 12.0
 }
 
-/// As close as JPEG keeps flat colours.
+/// As close as JPEG keeps what is flat and grey.
 fn assert_close(found: [f64; 3], expected: [f64; 3]) {
-    let is_close = found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() <= 6.0);
-    assert!(is_close, "{found:?} instead of {expected:?}");
+    assert_near(found, expected, 6.0);
+}
+
+/// JPEG keeps colours with less care than light.
+fn assert_near(found: [f64; 3], expected: [f64; 3], most: f64) {
+    let is_near = found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() <= most);
+    assert!(is_near, "{found:?} instead of {expected:?}");
+}
+
+/// What the overlay makes of a colour where prediction and truth agree.
+fn hit([red, green, blue]: [f64; 3]) -> [f64; 3] {
+    [(red, 86.0), (green, 180.0), (blue, 233.0)].map(|(below, colour)| below + 0.72 * (colour - below))
 }
 
 #[test]
@@ -352,7 +363,8 @@ fn a_picture_of_the_held_out_view_lies_under_the_masks() {
         };
         mask.pixels().find(is_deep).unwrap()
     };
-    let below = |(column, row): (u32, u32)| greyed(display.get_pixel(column, row).0.map(f64::from));
+    let seen = |(column, row): (u32, u32)| display.get_pixel(column, row).0.map(f64::from);
+    let below = |place: (u32, u32)| greyed(seen(place));
     let (target, floor) = (inside(&mask("disc_a")), inside(&mask("floor")));
     assert!((below(target) - below(floor)).abs() > 12.0, "both look the same, so nothing is proved");
 
@@ -363,9 +375,12 @@ fn a_picture_of_the_held_out_view_lies_under_the_masks() {
     browser.until("document.querySelector('.stage canvas').dataset.picture === 'shown'");
     let at =
         |browser: &mut Browser, (column, row): (u32, u32)| colour_at(browser, [truth.width, column, row]);
+    assert_near(at(&mut browser, floor), seen(floor), 16.0);
+    assert_near(at(&mut browser, target), hit(seen(target)), 16.0);
+    // Grey where colours of the picture are in the way.
+    browser.click(".layers label:nth-of-type(4) input");
     assert_close(at(&mut browser, floor), [below(floor); 3]);
-    let found = [86.0, 180.0, 233.0].map(|colour| below(target) + 0.72 * (colour - below(target)));
-    assert_close(at(&mut browser, target), found);
+    assert_close(at(&mut browser, target), hit([below(target); 3]));
     // Without the picture: the dark ground with what else is there.
     browser.click(".layers label:nth-of-type(3) input");
     browser.until("document.querySelector('.stage canvas').dataset.picture !== 'shown'");
@@ -373,6 +388,16 @@ fn a_picture_of_the_held_out_view_lies_under_the_masks() {
     // The scene that is not rendered has no such switch, and its masks.
     browser.open(&dir, "#method=oracle&scene=outdoor_discs&query=001");
     browser.until("document.querySelectorAll('.layers input').length === 2");
+    // In lists of scenes the one is a picture, the other the outlines of what is there.
+    browser.open(&dir, "#method=oracle");
+    for (scene, shown) in [("room_discs", "shown"), ("outdoor_discs", "none")] {
+        let thumbnail = format!("document.querySelector('a[href*={scene}] .thumbnail')");
+        browser.until(&format!("{thumbnail}.dataset.picture === {shown:?}"));
+        let colours = browser.evaluate(&format!(
+            "new Set(new Uint32Array({thumbnail}.getContext('2d').getImageData(0, 0, 128, 96).data.buffer)).size"
+        ));
+        assert!(colours.as_u64().unwrap() > 1, "{scene} is blank");
+    }
 
     // A damaged picture is reported and left out.
     dir.write("data/tiny/room_discs/frames/test/0048.exr", "torn");
@@ -392,10 +417,11 @@ fn pictures_of_a_capture_lie_under_its_masks() {
     browser.open(&dir, "#method=oracle&scene=table&query=001&frame=2");
     browser.until("document.querySelector('.stage canvas')?.dataset.picture === 'shown'");
     // The pictures of frame 2 are [120, 90, 120] around the cups; the red cup is what is meant.
+    assert_near(colour_at(&mut browser, [64, 32, 40]), [120.0, 90.0, 120.0], 16.0);
+    assert_near(colour_at(&mut browser, [64, 16, 16]), hit([200.0, 30.0, 30.0]), 16.0);
+    browser.click(".layers label:nth-of-type(4) input");
     assert_close(colour_at(&mut browser, [64, 32, 40]), [greyed([120.0, 90.0, 120.0]); 3]);
-    let cup = greyed([200.0, 30.0, 30.0]);
-    let found = [86.0, 180.0, 233.0].map(|colour| cup + 0.72 * (colour - cup));
-    assert_close(colour_at(&mut browser, [64, 16, 16]), found);
+    assert_close(colour_at(&mut browser, [64, 16, 16]), hit([greyed([200.0, 30.0, 30.0]); 3]));
 }
 
 #[test]
@@ -472,6 +498,167 @@ fn the_whole_way_to_a_frame_and_back_by_keys_alone() {
     let top = browser.text("location.hash");
     browser.press("Escape");
     assert_eq!(browser.text("location.hash"), top);
+}
+
+#[test]
+fn play_goes_to_the_end_of_the_clip_and_stops() {
+    let dir = page();
+    let mut browser = open(&dir, "#method=oracle&scene=room_discs&query=001&frame=48");
+    browser.drawn();
+    let before = browser.text_of("output");
+    assert_eq!(browser.text_of(".play"), "Play", "nothing moves by itself");
+    browser.click(".play");
+    assert_eq!(browser.text_of(".play"), "Pause");
+    browser.until(&format!("document.querySelector('output').textContent !== {before:?}"));
+    browser.until("document.querySelector('.play').textContent === 'Play'");
+    let slider = "document.querySelector('input[type=range]')";
+    assert_eq!(browser.evaluate(&format!("{slider}.value === {slider}.max")), true);
+    // Space begins at the first frame again, and stops.
+    let space = "new KeyboardEvent('keydown', { key: ' ', bubbles: true, cancelable: true })";
+    for (state, at) in [("Pause", Some("0")), ("Play", None)] {
+        browser.evaluate(&format!("{slider}.dispatchEvent({space})"));
+        assert_eq!(browser.text_of(".play"), state);
+        assert!(at.is_none_or(|at| browser.text(&format!("{slider}.value")) == at));
+    }
+    // A frame that is chosen stops it as well.
+    browser.click(".play");
+    browser.click(".strip li:nth-child(2) button");
+    assert_eq!(browser.text_of(".play"), "Play");
+    assert_eq!(browser.text(&format!("{slider}.value")), "1");
+}
+
+/// The name and the text of the file that a button hands over.
+fn downloaded(browser: &mut Browser) -> (String, String) {
+    browser.evaluate(
+        "URL.createObjectURL = (blob) => { window.kept = blob; return '#'; };
+         HTMLAnchorElement.prototype.click = function () { window.file = this.download; };
+         window.file = null",
+    );
+    browser.click(".tools button");
+    browser.until("window.file");
+    (browser.text("window.file"), browser.text("window.kept.text()"))
+}
+
+#[test]
+fn what_is_shown_can_be_taken_along_as_csv() {
+    let dir = page();
+    judge(&dir, &["davis"]);
+    let mut browser = open(&dir, "#sort=-name");
+    let (file, text) = downloaded(&mut browser);
+    assert_eq!(file, "leaderboard.csv");
+    let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(lines[0][..7], ["rank", "method", "version", "track", "unranked_because", "miou", "miou_low"]);
+    assert_eq!(lines[1][..2], ["1", "contestant"]);
+    let kept = dir.table("leaderboard/leaderboard.csv");
+    let kept = kept.iter().find(|row| row["method"] == "contestant").unwrap();
+    let close = |a: &str, b: &str| (a.parse::<f64>().unwrap() - b.parse::<f64>().unwrap()).abs() < 0.006;
+    assert!(close(lines[1][5], &kept["miou"]), "{text}");
+    let names: Vec<&str> = lines[1..].iter().map(|line| line[1]).collect();
+    assert_eq!(names, browser.order(), "the order is that of the table");
+    browser.choose("Method", "TIME");
+    let (_, text) = downloaded(&mut browser);
+    assert_eq!(text.lines().count(), 2, "{text}");
+    assert!(text.contains(",time-agnostic,") && text.contains("\"baseline, used ground truth\""), "{text}");
+
+    for (view, name, head, lines) in [
+        ("#board=davis", "leaderboard-davis.csv", "method,version,j_and_f,", 7),
+        ("#method=contestant", "contestant.csv", "scene,number,text,category,miou,", 9),
+        ("#method=contestant&scene=room_discs", "contestant-room_discs.csv", "number,text,category,miou,", 5),
+    ] {
+        browser.open(&dir, view);
+        browser.until("document.querySelector('.tools button')");
+        let (file, text) = downloaded(&mut browser);
+        assert_eq!(file, name);
+        assert!(text.starts_with(head) && text.lines().count() == lines, "{text}");
+    }
+}
+
+#[test]
+fn every_head_of_a_column_is_explained() {
+    const SHOWN: &str =
+        "[...document.querySelectorAll('.tip')].filter((tip) => !tip.hidden).map((tip) => tip.textContent)";
+    let dir = page();
+    judge(&dir, &["davis"]);
+    let mut browser = Browser::start(1280, 900);
+    for view in [
+        "",
+        "#method=contestant",
+        "#method=contestant&scene=room_discs",
+        "#method=contestant&scene=room_discs&query=001",
+        "#board=davis",
+        "#board=davis&method=contestant",
+        "#board=davis&method=contestant&scene=room_discs",
+    ] {
+        browser.open(&dir, view);
+        browser.ready();
+        let found = browser.evaluate(
+            "[...document.querySelectorAll('th[scope=col], th[scope=colgroup]')].map((head) => [head.textContent,
+                document.getElementById(head.querySelector('[aria-describedby]')?.getAttribute('aria-describedby'))?.textContent ?? ''])",
+        );
+        let found: Vec<[String; 2]> = serde_json::from_value(found).unwrap();
+        assert!(found.len() > 1, "{view}");
+        for [head, about] in found {
+            assert!(about.len() > 15 && about.ends_with('.'), "{view} {head}: {about}");
+        }
+    }
+    // By focus, tap and pointer; Escape closes it and does nothing else.
+    browser.open(&dir, "#method=contestant");
+    browser.click(".about");
+    assert_eq!(browser.evaluate(&format!("{SHOWN}.length")), 1);
+    browser.press("Tab");
+    let found = browser.evaluate(SHOWN);
+    assert_eq!(found, json!(["How many queries the row is about."]));
+    browser.press("Escape");
+    assert_eq!(browser.evaluate(SHOWN), json!([]));
+    assert_eq!(browser.h1(), "contestant");
+    browser.evaluate("document.querySelector('th[aria-sort]').dispatchEvent(new MouseEvent('mouseenter'))");
+    browser.until(&format!("{SHOWN}.length === 1"));
+    browser.evaluate("document.querySelector('th[aria-sort]').dispatchEvent(new MouseEvent('mouseleave'))");
+    browser.until(&format!("{SHOWN}.length === 0"));
+}
+
+#[test]
+fn a_phone_shows_rank_method_and_scores_without_scrolling_sideways() {
+    let dir = page();
+    let mut browser = Browser::start(1280, 900);
+    browser.resize(375, 800);
+    browser.open(&dir, "");
+    let rows = browser.evaluate(
+        "[document.documentElement, document.querySelector('.scroll')].map((one) => one.scrollWidth - one.clientWidth)",
+    );
+    assert_eq!(rows, json!([0, 0]));
+    let found = browser.each(
+        "tbody tr:not(.rule)",
+        "(() => {
+            const cells = [...one.cells].filter((cell) => cell.getClientRects().length > 0);
+            const boxes = cells.map((cell) => cell.getBoundingClientRect());
+            const meet = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+            const isWrong = (box, at) => box.left < 0 || box.right > 375 || cells[at].scrollWidth > cells[at].clientWidth + 1
+                || boxes.slice(at + 1).some((other) => meet(box, other));
+            return { wrong: boxes.filter(isWrong).length, labels: cells.map((cell) => cell.dataset.label ?? 'name') };
+        })()",
+    );
+    let found = found.as_array().unwrap();
+    assert_eq!(found.len(), 6);
+    for row in found {
+        assert_eq!(row["wrong"], 0, "{row}");
+        let labels: Vec<&str> = row["labels"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+        for wanted in ["Rank", "name", "mIoU", "mAcc", "tube IoU", "select"] {
+            assert!(labels.contains(&wanted), "{labels:?}");
+        }
+    }
+}
+
+#[test]
+fn the_page_says_what_it_is_of_and_how_to_take_part() {
+    let dir = page();
+    let mut browser = open(&dir, "");
+    let digest =
+        browser.text("document.getElementById('board').textContent.match(/\"truthDigest\":\"(.{12})/)[1]");
+    let software = format!("l4d {}", env!("CARGO_PKG_VERSION"));
+    browser.shows("#foot", &["Discs 0.1.0", "profile tiny", &digest, "Date 20", &software]);
+    browser
+        .shows("#submit + ol", &["l4d init-results NAME", "l4d check-results", "l4d score", "pull request"]);
 }
 
 #[test]

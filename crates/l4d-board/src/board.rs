@@ -42,6 +42,9 @@ pub struct Board {
     pub protocols: Vec<ProtocolTable>,
     /// What papers report of their own data.
     pub published: Vec<PublishedTable>,
+    /// The day of its newest numbers, for the page; no part of the document, which does not change with its files.
+    #[serde(skip)]
+    pub day: Option<String>,
 }
 
 /// What numbers must share to be comparable.

@@ -25,6 +25,7 @@ use crate::board::{
     MOST_DETAILED, Method, PublishedRow, PublishedTable, SCHEMA, ScoredOn, Thing,
 };
 use crate::codes;
+use crate::day;
 use crate::error::BoardError;
 use crate::protocols::gather_protocols;
 use crate::ranking::arrange;
@@ -61,7 +62,8 @@ pub fn gather(scores: &Path, exam: &Exam, seed: u64) -> Result<(Board, Report), 
     let protocols = gather_protocols(scores, &methods, &scenes, exam, &mut report)?;
     let published = published(exam)?;
     let schema = SCHEMA.to_owned();
-    Ok((Board { schema, heading, methods, comparisons, scenes, protocols, published }, report))
+    let day = day::of_scores(scores, &methods);
+    Ok((Board { schema, heading, methods, comparisons, scenes, protocols, published, day }, report))
 }
 
 fn read_summaries(scores: &Path, report: &mut Report) -> Result<Vec<Summary>, DataError> {

@@ -9,6 +9,7 @@
 pub mod board;
 mod charts;
 pub mod codes;
+mod day;
 mod error;
 mod figures;
 mod gather;

@@ -53,10 +53,15 @@ pub(crate) fn write(board: &Board, media: &Media, folder: &Path) -> Result<PathB
     page.json("board", &Overview(board)).map_err(failed)?;
     let places: Vec<usize> = (0..board.scenes.len()).collect();
     for places in places.chunks(rayon::current_num_threads()) {
-        let pack = |place: &usize| embed::packed(&scene::scene(board, *place, media)?).map_err(failed);
-        let packed: Vec<String> = places.par_iter().map(pack).collect::<Result<_, BoardError>>()?;
-        for (place, packed) in places.iter().zip(packed) {
-            page.text(&format!("scene-{place}"), &packed).map_err(failed)?;
+        let pack = |place: &usize| -> Result<[String; 2], BoardError> {
+            let scene = scene::scene(board, *place, media)?;
+            let thumbnail = embed::packed(&scene.thumbnail()).map_err(failed)?;
+            Ok([thumbnail, embed::packed(&scene).map_err(failed)?])
+        };
+        let packed: Vec<[String; 2]> = places.par_iter().map(pack).collect::<Result<_, BoardError>>()?;
+        for (place, [thumbnail, scene]) in places.iter().zip(packed) {
+            page.text(&format!("thumbnail-{place}"), &thumbnail).map_err(failed)?;
+            page.text(&format!("scene-{place}"), &scene).map_err(failed)?;
         }
     }
     page.end().map_err(failed)?;

@@ -82,7 +82,8 @@ pub(crate) fn board_of(queries: usize, methods: Vec<Method>) -> Board {
     let comparisons = vec![Comparisons { metric: Metric::Miou, pairs: pairs(&heading, &methods) }];
     let schema = SCHEMA.to_owned();
     let published = vec![published("panoptic_l4d"), published("scales"), published("composites")];
-    Board { schema, heading, methods, comparisons, scenes: Vec::new(), protocols: Vec::new(), published }
+    let (scenes, protocols) = (Vec::new(), Vec::new());
+    Board { schema, heading, methods, comparisons, scenes, protocols, published, day: None }
 }
 
 fn groups(method: &Method) -> Vec<Group> {

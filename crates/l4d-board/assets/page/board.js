@@ -23,9 +23,11 @@ function drawBoard(main) {
     fill();
     say(`${title.textContent}: ${count.textContent}`);
   };
-  main.append(filters(redraw, count), holder, below);
+  const file = () => ["leaderboard", readAddress().board].filter(Boolean).join("-") + ".csv";
+  main.append(filters(redraw, count), holder, download("Download CSV", file, () => holder.csv()), below);
   fill();
   drawPublished(main);
+  drawSubmission(main);
 }
 
 /** What the first filter chooses: the board, the sums of another protocol, or methods that were scored on something else. */
@@ -67,6 +69,7 @@ function headingFacts({ protocol }) {
     ["Queries", `${board.queries} in ${counted(board.scenes.length, "scene", "scenes")}${board.rejected ? `; ${board.rejected} rejected by people are left out` : ""}`],
     ["Prompts verified by people", verified],
     ["Truth", el("code", { title: board.truthDigest }, board.truthDigest.slice(0, 12))],
+    ["Date", board.day],
   ]);
 }
 
@@ -108,7 +111,7 @@ function fillBoard(holder, count, table, most = MANY) {
   const methods = table.methods.filter((method) => method.name.toLowerCase().includes(wanted));
   const rows = methods.map((method) => ({ method, cells: table.cells(method) }));
   const sections = table.protocol ? [{ title: null, rows }] : groupsOf(rows);
-  const columns = table.protocol ? protocolColumns(table.protocol) : boardColumns(state);
+  const columns = table.protocol ? protocolColumns(table.protocol) : boardColumns();
   // An order by a column that this table lacks is an order of another one.
   const hasColumn = columns.some((column) => column.key === state.sort.replace(/^-/, ""));
   const sort = hasColumn ? state.sort : table.protocol ? "" : "-miou";
@@ -120,6 +123,7 @@ function fillBoard(holder, count, table, most = MANY) {
   const queries = Math.max(0, ...methods.map(table.queries));
   const group = [state.category, state.scale].filter(Boolean).join(", ") || "all queries";
   const caption = table.protocol ? `${table.line}. Shown: ${group}.` : `${table.line}. Shown: ${group} (${queries}).`;
+  holder.csv = () => csvOf(columns, sections.flatMap(({ rows }) => inOrder(rows, columns, sort)));
   const shown = sections.filter((section) => section.rows.length > 0);
   redrawTable(holder, () => {
     if (shown.length === 0) return el("p", {}, "No method matches.");
@@ -153,36 +157,38 @@ function bestValues(rows) {
   });
 }
 
-function boardColumns(state) {
-  const isFiltered = state.category !== "" || state.scale !== "";
+/** Metrics that a phone shows in the first line of a method. */
+const MAIN = ["miou", "macc", "tube_iou", "select"];
+
+function boardColumns() {
   const metric = (at) => ({
     key: METRICS[at].key,
     title: METRICS[at].title,
-    about: METRICS[at].about,
     isNumber: true,
+    isMinor: !MAIN.includes(METRICS[at].key),
     higher: METRICS[at].higher,
     value: (row) => row.cells[at]?.[0],
+    fields: ["", "_low", "_high"].map((end, place) => [METRICS[at].key + end, (row) => row.cells[at]?.[place]]),
     cell: (row) => valueCell(row.cells[at], row.cells[at]?.[0] === row.best?.[at]),
   });
   return [
     {
       key: "rank",
       title: "Rank",
-      about: isFiltered ? "Rank in the track, over all queries" : "Rank in the track, by mIoU",
       isNumber: true,
       higher: false,
       value: (row) => row.method.rank,
       cell: (row) => (row.method.rank === null ? "\u2013" : String(row.method.rank)),
     },
-    { key: "name", title: "Method", about: "Name and version", isHead: true, value: (row) => row.method.name, cell: methodCell },
+    methodColumn([["track", (row) => row.method.track], ["unranked_because", (row) => row.method.reasons.join(", ")]]),
     metric(MIOU),
-    { title: "mIoU, 0 to 100", isDrawn: true, cell: (row) => bar(row.cells[MIOU], row.method.rank !== null) },
+    { key: "bar", title: "mIoU, 0 to 100", isDrawn: true, cell: (row) => bar(row.cells[MIOU], row.method.rank !== null) },
     ...METRICS.map((_, at) => at).filter((at) => at !== MIOU).map(metric),
     {
       key: "seconds",
       title: "Time",
-      about: "Wall time of the method for all queries, as it states",
       isNumber: true,
+      isMinor: true,
       higher: false,
       value: (row) => row.method.seconds,
       cell: (row) => duration(row.method.seconds),
@@ -192,10 +198,15 @@ function boardColumns(state) {
 
 function protocolColumns(protocol) {
   return [
-    { key: "name", title: "Method", about: "Name and version", isHead: true, value: (row) => row.method.name, cell: methodCell },
+    methodColumn([]),
     ...measureColumns(protocol, (row, at) => row.cells[at]?.[0]),
-    { key: "queries", title: "Queries", about: "Queries that enter at least one number", isNumber: true, value: (row) => row.method.queries, cell: (row) => String(row.method.queries) },
+    { key: "queries", title: "Queries", about: "Queries that enter at least one number.", isNumber: true, value: (row) => row.method.queries, cell: (row) => String(row.method.queries) },
   ];
+}
+
+function methodColumn(more) {
+  const name = (row) => row.method.name;
+  return { key: "name", title: "Method", about: ABOUT.method, isHead: true, value: name, cell: methodCell, fields: [["method", name], ["version", (row) => row.method.version], ...more] };
 }
 
 function methodCell({ method }) {
@@ -217,15 +228,32 @@ function drawPublished(main) {
     el("p", { class: "notice" }, "Numbers of the authors, on their own data: other scenes, other prompts, other masks. Nothing here can be compared with the ranking above."),
   );
   for (const table of board.published) {
-    const heads = table.columns.map((column) => el("th", { scope: "colgroup", colspan: 2, class: "number" }, column));
-    const units = table.columns.flatMap(() => ["mAcc", "mIoU"]).map((unit) => el("th", { scope: "col", class: "number quiet" }, unit));
+    const heads = table.columns.map((column) => headOf({ title: column, about: `What the paper reports for ${column}, on its own data.` }, { scope: "colgroup", colspan: 2, class: "number" }));
+    const units = table.columns.flatMap(() => ["mAcc", "mIoU"]).map((title) => headOf({ title, about: `${title} in percent, as the paper defines and reports it.` }, { scope: "col", class: "number" }));
     const rows = table.rows.map((row) =>
       el("tr", {}, el("th", { scope: "row" }, row.setting), row.values.map((value) => el("td", { class: "number" }, hundredths(value)))),
     );
-    const head = el("thead", {}, el("tr", {}, el("th", { scope: "col", rowspan: 2 }, "Setting"), heads), el("tr", {}, units));
+    const head = el("thead", {}, el("tr", {}, headOf({ title: "Setting", about: "The method or the setting that the paper reports in this row." }, { scope: "col", rowspan: 2 }), heads), el("tr", {}, units));
     const caption = captionOf("As reported, percent");
     main.append(
       el("details", {}, el("summary", {}, table.title), el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": table.title }, el("table", {}, caption, head, el("tbody", {}, rows)))),
     );
   }
+}
+
+function drawSubmission(main) {
+  const code = (text) => el("code", {}, text);
+  const options = `--profile ${board.profile}`;
+  const steps = [
+    [code(`l4d init-results NAME ${options}`), " begins the folder ", code("results/NAME"), ". Fill in its ", code("method.json"), ": version, link, time, and what the method looked at."],
+    ["Write the masks of every query below ", code("results/NAME/masks"), ", one file or one folder of pictures a query, as ", code("docs/formats.md"), " describes."],
+    [code(`l4d check-results results/NAME ${options}`), " says what is missing or cannot be read."],
+    [code(`l4d score results ${options}`), " counts, and ", code(`l4d leaderboard ${options} --html`), " shows the method on a page like this one."],
+    ["Open a pull request that adds ", code("results/NAME"), " (", code("git add --force results/NAME"), ", since results are ignored otherwise)."],
+  ];
+  main.append(
+    el("h2", { id: "submit" }, "How to submit"),
+    el("ol", { class: "plain" }, steps.map((step) => el("li", {}, step))),
+    el("p", { class: "quiet" }, "The repository has more on this in ", code("docs/leaderboard.md"), ", under \u201cHow to submit\u201d."),
+  );
 }

@@ -46,7 +46,7 @@ function drawLost(main) {
 function drawFrame() {
   document.getElementById("brand").append(el("a", { href: "#" }, board.benchmark), el("span", {}, "leaderboard"));
   document.getElementById("foot").append(
-    el("p", {}, `${board.line}. Truth `, el("code", {}, board.truthDigest.slice(0, 12)), "."),
+    el("p", {}, `${board.line}. Truth `, el("code", {}, board.truthDigest.slice(0, 12)), board.day ? `. Date ${board.day}.` : "."),
     el("p", {}, "Every number follows from ", el("code", {}, "scores/<method>/counts.csv"), "; masks and pictures are for the eye. Made by ", el("code", {}, "l4d leaderboard --html"), `, l4d ${board.software}.`),
   );
   // The skip link must not become the address of a view.

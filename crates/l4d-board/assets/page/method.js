@@ -19,7 +19,7 @@ function drawMethod(main, method) {
   main.append(trail([method.name, {}]), el("h1", { tabindex: -1 }, method.name), methodFacts(method));
   main.append(el("h2", { id: "groups" }, "By category and scale"), groupTable(method));
   const holder = el("div", { class: "scroll", tabindex: 0, role: "region", "aria-labelledby": "scenes" });
-  main.append(el("h2", { id: "scenes" }, "By scene"), holder);
+  main.append(el("h2", { id: "scenes" }, "By scene"), holder, download("Download CSV of all queries", () => `${method.name}.csv`, () => allQueries(method)));
   fillScenes(holder, method);
 }
 
@@ -64,14 +64,15 @@ function groupNames() {
 /** Metrics down, groups across would be wide: groups down, one row each, with bars of mIoU. */
 function groupTable(method) {
   const rows = groupNames().filter(([, category, scale]) => method.groups[`${category}|${scale}`]);
-  const heads = METRICS.map((metric) => el("th", { scope: "col", class: "number", title: metric.about }, metric.title));
+  const number = { scope: "col", class: "number" };
+  const heads = METRICS.map((metric) => headOf({ key: metric.key, title: metric.title }, number));
   const lines = rows.map(([name, category, scale]) => {
     const cells = METRICS.map((_, at) => el("td", { class: "number" }, valueCell(cellOf(method, at, category, scale))));
     const miou = cellOf(method, MIOU, category, scale);
     const queries = el("td", { class: "number" }, miou ? String(miou[3]) : "\u2013");
     return el("tr", {}, el("th", { scope: "row" }, name), queries, el("td", { class: "drawn" }, bar(miou, method.rank !== null)), cells);
   });
-  const head = el("tr", {}, el("th", { scope: "col" }, "Group"), el("th", { scope: "col", class: "number" }, "Queries"), el("th", { scope: "col", class: "drawn" }, "mIoU, 0 to 100"), heads);
+  const head = el("tr", {}, headOf({ key: "group", title: "Group" }, { scope: "col" }), headOf({ key: "queries", title: "Queries" }, number), headOf({ key: "bar", title: "mIoU, 0 to 100" }, { scope: "col", class: "drawn" }), heads);
   const table = el("table", {}, captionOf(`Percent; ${intervalNote()}`), el("thead", {}, head), el("tbody", {}, lines));
   return el("div", { class: "scroll", tabindex: 0, role: "region", "aria-labelledby": "groups" }, table);
 }
@@ -79,19 +80,12 @@ function groupTable(method) {
 function fillScenes(holder, method) {
   const rows = board.scenes.map((scene, at) => ({ scene, values: method.scenes[at] }));
   const columns = [
-    {
-      key: "name",
-      title: "Scene",
-      isHead: true,
-      value: (row) => row.scene.name,
-      cell: (row) => el("a", { href: hrefTo({ method: method.name, scene: row.scene.name }) }, breakable(row.scene.name)),
-    },
+    sceneColumn(method),
     { key: "scale", title: "Scale", value: (row) => row.scene.scale, cell: (row) => row.scene.scale },
     { key: "queries", title: "Queries", isNumber: true, value: (row) => row.scene.queries.length, cell: (row) => String(row.scene.queries.length) },
     ...METRICS.map((metric, at) => ({
       key: metric.key,
       title: metric.title,
-      about: metric.about,
       isNumber: true,
       higher: metric.higher,
       value: (row) => row.values?.[at],
@@ -99,6 +93,15 @@ function fillScenes(holder, method) {
     })),
   ];
   fillSorted(holder, { caption: `${method.name}, percent, means over the queries of a scene`, columns, rows, sort: "name" });
+}
+
+/** The name of a scene behind a small picture of it; both lead to what the method did there. */
+function sceneColumn(method) {
+  const cell = ({ scene }) => {
+    const content = [thumbnail(scene), el("span", {}, breakable(scene.name))];
+    return method.isDetailed ? el("a", { class: "scene", href: hrefTo({ method: method.name, scene: scene.name }) }, content) : el("span", { class: "scene" }, content);
+  };
+  return { key: "name", title: "Scene", about: ABOUT.scene, isHead: true, value: (row) => row.scene.name, cell };
 }
 
 async function drawScene(main, method, scene) {
@@ -110,34 +113,44 @@ async function drawScene(main, method, scene) {
   const holder = el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Queries" }, el("p", {}, "Unpacking the scene."));
   main.append(holder);
   const data = await sceneData(at);
-  const answers = data.answers[methodIndex(method.name)];
-  fillQueries(holder, method, scene, answers);
+  const rows = queryRows(method, scene, data);
+  fillSorted(holder, { caption: `${counted(rows.length, "query", "queries")} of ${scene.name}, percent`, columns: queryColumns(method), rows, sort: "number" });
+  main.append(download("Download CSV", () => `${method.name}-${scene.name}.csv`, () => holder.csv()));
 }
 
-function fillQueries(holder, method, scene, answers) {
-  const rows = scene.queries.map((query, at) => ({ query, values: answers.ratios[at], taken: answers.taken[at] }));
-  const columns = [
+/** The queries of every scene as a file. Scenes that were not opened are unpacked one after another and not kept. */
+async function allQueries(method) {
+  const rows = [];
+  for (const [at, scene] of board.scenes.entries()) rows.push(...queryRows(method, scene, await (unpacked.get(at) ?? unpackScene(at))));
+  return csvOf([{ key: "scene", value: (row) => row.scene.name }, ...queryColumns(method)], rows);
+}
+
+function queryRows(method, scene, data) {
+  const answers = data.answers[methodIndex(method.name)];
+  return scene.queries.map((query, at) => ({ scene, query, values: answers.ratios[at], taken: answers.taken[at] }));
+}
+
+function queryColumns(method) {
+  return [
     { key: "number", title: "Query", value: (row) => row.query.number, cell: (row) => row.query.number },
     {
       key: "text",
       title: "Sentence",
       isHead: true,
       value: (row) => row.query.text,
-      cell: (row) => el("a", { href: hrefTo({ method: method.name, scene: scene.name, query: row.query.number }) }, row.query.text),
+      cell: (row) => el("a", { href: hrefTo({ method: method.name, scene: row.scene.name, query: row.query.number }) }, row.query.text),
     },
     { key: "category", title: "Category", value: (row) => row.query.categories.join(", "), cell: (row) => row.query.categories.join(", ") },
     ...METRICS.map((metric, at) => at).filter((at) => at !== SELECT).map((at) => ({
       key: METRICS[at].key,
       title: METRICS[at].title,
-      about: METRICS[at].about,
       isNumber: true,
       higher: METRICS[at].higher,
       value: (row) => row.values[at],
       cell: (row) => hundredths(row.values[at]),
     })),
-    { key: "taken", title: "Took", about: "The thing that the prediction overlaps most over the clip", value: (row) => row.taken, cell: takenCell },
+    { key: "taken", title: "Took", value: (row) => row.taken, cell: takenCell },
   ];
-  fillSorted(holder, { caption: `${counted(rows.length, "query", "queries")} of ${scene.name}, percent`, columns, rows, sort: "number" });
 }
 
 function takenCell({ query, values, taken }) {

@@ -37,7 +37,7 @@ function pictureOf(base64) {
   return pictures.get(base64);
 }
 
-/** Paints onto a canvas of `factor` pixels a pixel of the mask. `layers`: truth, prediction, picture. */
+/** Paints onto a canvas of `factor` pixels a pixel of the mask. `layers`: truth, prediction, picture, colour. */
 async function paint(canvas, sight, layers, factor) {
   const { width, height, target, answer } = sight;
   const turn = (turns.get(canvas) ?? 0) + 1;
@@ -56,21 +56,29 @@ async function paint(canvas, sight, layers, factor) {
   const drawn = context.getImageData(0, 0, canvas.width, canvas.height);
   const pixels = drawn.data;
   const stripe = 3 * factor;
+  const marksAt = (inside) => [layers.truth && target !== null && target[inside] === 1, layers.prediction && answer !== null && answer[inside] === 1];
+  // Over colours that may be those of the overlay a dark line runs around what is marked.
+  const isEdged = image && layers.colour && factor > 1;
+  const isEdge = (x, y, meant, found) =>
+    [[x - 1, y], [x + 1, y], [x, y - 1], [x, y + 1]].some(([column, line]) => {
+      if (column < 0 || line < 0 || column >= canvas.width || line >= canvas.height) return false;
+      const [otherMeant, otherFound] = marksAt(Math.floor(line / factor) * width + Math.floor(column / factor));
+      return otherMeant !== meant || otherFound !== found;
+    });
   for (let y = 0; y < canvas.height; y += 1) {
     const row = Math.floor(y / factor) * width;
     for (let x = 0; x < canvas.width; x += 1) {
       const at = 4 * (y * canvas.width + x);
       const inside = row + Math.floor(x / factor);
-      if (image) {
+      if (image && !layers.colour) {
         // Grey and a little darker, so that the overlay is what is coloured.
         const grey = 0.62 * (0.299 * pixels[at] + 0.587 * pixels[at + 1] + 0.114 * pixels[at + 2]) + 12;
         pixels[at] = pixels[at + 1] = pixels[at + 2] = grey;
-      } else {
+      } else if (!image) {
         const thing = things.find((thing) => thing.mask !== null && thing.mask[inside] === 1);
         if (thing) pixels.set(thing.colour, at);
       }
-      const meant = layers.truth && target !== null && target[inside] === 1;
-      const found = layers.prediction && answer !== null && answer[inside] === 1;
+      const [meant, found] = marksAt(inside);
       if (!meant && !found) continue;
       let colour = HIT;
       let strength = 0.72;
@@ -81,12 +89,25 @@ async function paint(canvas, sight, layers, factor) {
         colour = EXTRA;
         strength = Math.floor((x - y + 4096 * stripe) / stripe) % 2 === 0 ? 0.95 : 0.4;
       }
+      if (isEdged && isEdge(x, y, meant, found)) [colour, strength] = [GROUND, 0.85];
       for (let channel = 0; channel < 3; channel += 1) {
         pixels[at + channel] += strength * (colour[channel] - pixels[at + channel]);
       }
     }
   }
   context.putImageData(drawn, 0, 0);
+}
+
+/** A small picture of a scene; where the page has none, the outlines of what is there. */
+function thumbnail(scene) {
+  const { width, height } = scene;
+  const canvas = el("canvas", { class: "thumbnail", width, height, "aria-hidden": "true" });
+  const ready = unpack(document.getElementById(`thumbnail-${sceneIndex(scene.name)}`).textContent);
+  return whenSeen(canvas, async () => {
+    const { picture, things } = await ready;
+    const outlines = () => things.map(([isObject, counts]) => ({ colour: isObject ? OBJECT : LANDMARK, mask: decodeMask(counts, width, height) }));
+    paint(canvas, { width, height, target: null, answer: null, backdrop: picture, things: outlines }, { picture: true, colour: true }, 1);
+  });
 }
 
 /** Calls `draw` for an element when it comes near the window, once. */

@@ -25,13 +25,37 @@ function leftOut(methods) {
   return [el("h2", {}, "What the source leaves out"), el("ul", { class: "plain" }, items)];
 }
 
+/** By the key of a measure; docs/protocols.md has the rules to the end. */
+const MEASURES = {
+  j_and_f: "Mean of J-Mean and F-Mean: region and contour.",
+  j: "IoU of prediction and truth.",
+  j_mean: "IoU of prediction and truth, averaged over frames.",
+  j_recall: "Share of frames whose IoU is above 0.5.",
+  j_decay: "IoU in the first quarter of a clip less that in the last: what is lost on the way. Lower is better.",
+  f: "How well the contours of prediction and truth agree.",
+  f_mean: "How well the contours of prediction and truth agree, averaged over frames.",
+  f_recall: "Share of frames whose agreement of contours is above 0.5.",
+  f_decay: "Agreement of contours in the first quarter of a clip less that in the last. Lower is better.",
+  miou: "IoU of prediction and truth, averaged as the source does.",
+  boundary_miou: "IoU of what lies near the borders of prediction and truth.",
+  viou: "IoU summed over the frames in which the target is there, by the number of frames that count.",
+  tiou: "IoU of two sets of frames: those in which the target is there, and those in which it is marked.",
+  acc: "Share of frames in which the method says rightly whether the target is there.",
+  localisation: "Share of pairs of frame and sentence whose most relevant place lies in the box of the target.",
+  accuracy: "IoU of prediction and truth over the frames of a sequence; silence where nothing is to be found counts 1.",
+};
+
+function aboutMeasure(protocol, { key, title }) {
+  return `${MEASURES[key] ?? title} Counted as ${protocol.name} does (${protocol.source}).`;
+}
+
 /** Columns of the measures of a protocol; the name of the protocol is in every head. */
 function measureColumns(protocol, valueOf) {
   return protocol.measures.map((measure, at) => ({
     key: measure.key,
     title: measure.title,
     over: protocol.name,
-    about: `${measure.title} under ${protocol.name}`,
+    about: aboutMeasure(protocol, measure),
     isNumber: true,
     value: (row) => valueOf(row, at),
     cell: (row) => hundredths(valueOf(row, at)),
@@ -58,13 +82,7 @@ function drawProtocolMethod(main, protocol, method) {
   main.append(holder);
   const rows = board.scenes.map((scene, at) => ({ scene, values: method.scenes[at] }));
   const columns = [
-    {
-      key: "name",
-      title: "Scene",
-      isHead: true,
-      value: (row) => row.scene.name,
-      cell: (row) => (method.isDetailed ? el("a", { href: hrefTo({ method: method.name, scene: row.scene.name }) }, breakable(row.scene.name)) : breakable(row.scene.name)),
-    },
+    sceneColumn(method),
     { key: "scale", title: "Scale", value: (row) => row.scene.scale, cell: (row) => row.scene.scale },
     ...measureColumns(protocol, (row, at) => row.values?.[at]),
   ];
@@ -79,8 +97,8 @@ function protocolGroups(protocol, method) {
     const cells = method.groups[`${category}|${scale}`].map((value) => el("td", { class: "number" }, hundredths(value)));
     return el("tr", {}, el("th", { scope: "row" }, name), cells);
   });
-  const heads = protocol.measures.map((measure) => el("th", { scope: "col", class: "number" }, el("span", { class: "over" }, protocol.name), measure.title));
-  const head = el("tr", {}, el("th", { scope: "col" }, "Group"), heads);
+  const heads = protocol.measures.map((measure) => headOf({ title: measure.title, over: protocol.name, about: aboutMeasure(protocol, measure) }, { scope: "col", class: "number" }));
+  const head = el("tr", {}, headOf({ key: "group", title: "Group" }, { scope: "col" }), heads);
   const table = el("table", {}, captionOf(`Protocol ${protocol.name}, percent, averaged as its source does`), el("thead", {}, head), el("tbody", {}, lines));
   return el("div", { class: "scroll", tabindex: 0, role: "region", "aria-labelledby": "groups" }, table);
 }

@@ -44,11 +44,13 @@ function choiceOfMethod(method, scene, query) {
   return label;
 }
 
+/** What is drawn; the choice lasts as long as the page. */
+const layers = { truth: true, prediction: true, picture: true, colour: true };
+
 function drawFrames(main, view) {
   const { scene, place, data, answers } = view;
   const masks = answers.masks[place];
   const codes = answers.frames[place];
-  const layers = { truth: true, prediction: true, picture: true };
   const hasPictures = data.backdrops.some(Boolean);
   // Ready before they are asked for: paper does not wait.
   data.backdrops.filter(Boolean).forEach(pictureOf);
@@ -56,9 +58,10 @@ function drawFrames(main, view) {
   const legend = el("figcaption", {});
   const chart = el("div", {});
   const told = el("output", {});
-  const slider = el("input", { type: "range", min: 0, max: scene.shown.length - 1, step: 1, "aria-label": "Frame" });
+  const slider = el("input", { type: "range", min: 0, max: scene.shown.length - 1, step: 1, "aria-label": "Frame", "aria-keyshortcuts": "Space" });
   const strip = el("ul", { class: "strip" });
   const others = el("ul", { class: "all" });
+  const drawOthers = fillOthers(others, view, layers);
   const wanted = scene.shown.indexOf(Number(readAddress().frame || NaN));
   let at = wanted >= 0 ? wanted : firstOfInterest(data.targets[place]);
 
@@ -82,10 +85,41 @@ function drawFrames(main, view) {
     for (const [index, button] of [...strip.querySelectorAll("button")].entries()) {
       button.setAttribute("aria-current", String(index === at));
     }
-    fillOthers(others, view, at, layers);
-    noteInAddress({ frame: String(frame) });
+    drawOthers(at);
+    // Browsers allow few changes of the address a second.
+    if (timer === null) noteInAddress({ frame: String(frame) });
   };
-  const move = (next) => show(Math.max(0, Math.min(scene.shown.length - 1, next)));
+  const last = scene.shown.length - 1;
+  let timer = null;
+  const isPlaying = () => timer !== null;
+  const stop = () => {
+    clearInterval(timer);
+    timer = null;
+    button.textContent = "Play";
+    told.removeAttribute("aria-live");
+  };
+  /** From the frame in sight to the end of the clip, or from its beginning where that is the end. */
+  const play = () => {
+    timer = setInterval(() => {
+      // Another view is open.
+      if (!canvas.isConnected) return clearInterval(timer);
+      if (at + 1 === last) stop();
+      show(at + 1);
+    }, playMs());
+    button.textContent = "Pause";
+    told.setAttribute("aria-live", "off");
+    if (at === last) show(0);
+  };
+  const toggle = () => {
+    if (!isPlaying()) return play();
+    stop();
+    show(at);
+  };
+  const button = el("button", { type: "button", class: "play", "aria-keyshortcuts": "Space", onclick: toggle }, "Play");
+  const move = (next) => {
+    if (isPlaying()) stop();
+    show(Math.max(0, Math.min(last, next)));
+  };
   slider.addEventListener("input", () => move(Number(slider.value)));
   const redraw = () => {
     fillStrip(strip, view, layers, codeAt, move);
@@ -93,12 +127,18 @@ function drawFrames(main, view) {
   };
 
   const picture = el("figure", { class: "picture" }, canvas, legend);
-  const moment = el("div", { class: "moment" }, slider, told);
+  const moment = el("div", { class: "moment" }, last > 0 ? button : null, slider, told);
+  /** Space plays, except where it means something already. */
+  const pressed = (event) => {
+    if (event.key !== " " || last === 0 || event.target.closest("button, summary, input[type=checkbox]")) return;
+    event.preventDefault();
+    toggle();
+  };
   main.append(
     el("h2", {}, "Frames"),
     el(
       "div",
-      { class: "stage" },
+      { class: "stage", tabindex: -1, onkeydown: pressed },
       el("div", {}, picture, moment, overlayKey()),
       el("div", {}, layerSwitches(layers, hasPictures, redraw), el("h3", {}, "IoU over the clip, %"), chart, el("p", { class: "small quiet" }, "Shaded: there is something to find. Crosses: something was marked where there is nothing. Click to go there."), frameTable(scene, codes)),
     ),
@@ -107,6 +147,11 @@ function drawFrames(main, view) {
     others,
   );
   redraw();
+}
+
+/** How long a frame stays in sight: long enough to read its IoU, and longer where less motion is asked for. */
+function playMs() {
+  return matchMedia("(prefers-reduced-motion: reduce)").matches ? 1200 : 400;
 }
 
 /** The middle of the frames that show the target. */
@@ -121,7 +166,7 @@ function nearest(frames, wanted) {
 
 function layerSwitches(layers, hasPictures, redraw) {
   const one = (key, text) => {
-    const box = el("input", { type: "checkbox", checked: true, onchange: () => { layers[key] = box.checked; redraw(); } });
+    const box = el("input", { type: "checkbox", checked: layers[key], onchange: () => { layers[key] = box.checked; redraw(); } });
     return el("label", {}, box, text);
   };
   return el(
@@ -130,14 +175,14 @@ function layerSwitches(layers, hasPictures, redraw) {
     el("legend", { class: "unseen" }, "What is drawn"),
     one("truth", "truth"),
     one("prediction", "prediction"),
-    hasPictures ? one("picture", "picture") : null,
+    hasPictures ? [one("picture", "picture"), one("colour", "in colour")] : null,
   );
 }
 
 /** The same as the chart, in words. */
 function frameTable(scene, codes) {
   const rows = scene.frames.map((frame, at) => el("tr", {}, el("th", { scope: "row" }, String(frame)), el("td", {}, stateOf(codes[at]))));
-  const head = el("tr", {}, el("th", { scope: "col" }, "Frame"), el("th", { scope: "col" }, "What happened"));
+  const head = el("tr", {}, headOf({ key: "frame", title: "Frame" }, { scope: "col" }), headOf({ key: "state", title: "What happened" }, { scope: "col" }));
   return el("details", {}, el("summary", {}, "Every frame in words"), el("table", {}, captionOf("Frames of the clip"), el("thead", {}, head), el("tbody", {}, rows)));
 }
 
@@ -151,23 +196,27 @@ function fillStrip(strip, { scene, place, data, answers }, layers, codeAt, move)
   strip.replaceChildren(...items);
 }
 
-function fillOthers(list, { method, scene, query, place, data }, at, layers) {
-  const frame = scene.shown[at];
-  const frameAt = scene.frames.indexOf(frame);
+/** Lists all methods, best first; gives what draws them at a frame, over what they showed before. */
+function fillOthers(list, { method, scene, query, place, data }, layers) {
   const entries = Object.entries(data.answers).map(([index, answers]) => ({ other: board.methods[Number(index)], answers }));
   const miou = ({ answers }) => answers.ratios[place][MIOU] ?? -1;
   entries.sort((a, b) => miou(b) - miou(a) || a.other.name.localeCompare(b.other.name));
   const items = entries.map(({ other, answers }) => {
     const canvas = el("canvas", { width: scene.width, height: scene.height, "aria-hidden": "true" });
-    whenSeen(canvas, () => paint(canvas, sightOf(data, place, answers.masks[place], at, scene), layers, 1));
     const isThis = other.name === method.name;
-    const name = isThis
-      ? el("strong", {}, breakable(other.name))
-      : el("a", { href: hrefWith({ method: other.name, scene: scene.name, query: query.number, frame: String(frame) }) }, breakable(other.name));
-    const score = ` mIoU ${hundredths(answers.ratios[place][MIOU])}; here ${stateOf(answers.frames[place][frameAt])}`;
-    return el("li", {}, canvas, el("span", { class: "name" }, name), el("span", { class: "quiet" }, score), other.rank === null ? el("span", { class: "chips" }, el("span", { class: "chip" }, "not ranked")) : null);
+    const name = el(isThis ? "strong" : "a", {}, breakable(other.name));
+    const score = el("span", { class: "quiet" });
+    const item = el("li", {}, canvas, el("span", { class: "name" }, name), score, other.rank === null ? el("span", { class: "chips" }, el("span", { class: "chip" }, "not ranked")) : null);
+    const drawAt = (at) => {
+      const frame = scene.shown[at];
+      whenSeen(canvas, () => paint(canvas, sightOf(data, place, answers.masks[place], at, scene), layers, 1));
+      if (!isThis) name.href = hrefWith({ method: other.name, scene: scene.name, query: query.number, frame: String(frame) });
+      score.textContent = ` mIoU ${hundredths(answers.ratios[place][MIOU])}; here ${stateOf(answers.frames[place][scene.frames.indexOf(frame)])}`;
+    };
+    return { item, drawAt };
   });
-  list.replaceChildren(...items);
+  list.replaceChildren(...items.map(({ item }) => item));
+  return (at) => items.forEach(({ drawAt }) => drawAt(at));
 }
 
 function neighbours({ method, scene, query }) {

@@ -10,8 +10,12 @@ const unpacked = new Map();
 
 /** What the page holds of a scene: targets, answers, pool of masks, pictures. Unpacked once. */
 function sceneData(index) {
-  if (!unpacked.has(index)) unpacked.set(index, unpack(document.getElementById(`scene-${index}`).textContent));
+  if (!unpacked.has(index)) unpacked.set(index, unpackScene(index));
   return unpacked.get(index);
+}
+
+function unpackScene(index) {
+  return unpack(document.getElementById(`scene-${index}`).textContent);
 }
 
 async function unpack(text) {

@@ -1,32 +1,39 @@
 // Tables that are sorted by a click or a key on a column's head.
 
 /**
- * A table. `columns`: {key, title, about, isNumber, higher, value(row), cell(row), isHead}; `sections`: {title, rows};
- * `sort`: "key" or "-key" (descending); `change(sort)` is told what is asked for.
+ * A table. `columns`: {key, title, about, isNumber, isMinor, higher, value(row), cell(row), isHead}; `sections`: {title, rows};
+ * `sort`: "key" or "-key" (descending); `change(sort)` gets what is asked for.
  * Rows without a value come last whichever way they are sorted. Of all rows in that order the first `most` are drawn.
+ * On a phone a row is a block with a label at each value. Roles are written out, since some browsers take a table that
+ * is laid out as blocks for none.
  */
 function sortableTable({ caption, columns, sections, sort, change, most = Infinity }) {
   const isDown = sort.startsWith("-");
   const key = isDown ? sort.slice(1) : sort;
-  const sorted = columns.find((column) => column.key === key);
   const heads = columns.map((column) => {
-    const over = column.over ? el("span", { class: "over" }, column.over) : null;
-    if (column.isDrawn) return el("th", { scope: "col", class: classOf(column) }, column.title);
+    const attributes = { scope: "col", role: "columnheader", class: classOf(column) };
+    if (column.isDrawn) return headOf(column, attributes);
     const state = column.key !== key ? "none" : isDown ? "descending" : "ascending";
     const first = column.isNumber && column.higher !== false ? `-${column.key}` : column.key;
     const next = column.key !== key ? first : isDown ? column.key : `-${column.key}`;
-    const button = el("button", { type: "button", class: "sort", title: column.about, "data-sort": column.key, onclick: () => change(next) }, column.title);
-    return el("th", { scope: "col", class: classOf(column), "aria-sort": state }, over, button);
+    const button = el("button", { type: "button", class: "sort", "data-sort": column.key, onclick: () => change(next) }, column.title);
+    return headOf(column, { ...attributes, "aria-sort": state }, button);
   });
   let room = most;
   const bodies = sections.map(({ title, rows }) => {
-    const ordered = sorted ? [...rows].sort((a, b) => compare(sorted.value(a), sorted.value(b), isDown)) : rows;
-    const head = title ? el("tr", { class: "rule" }, el("th", { scope: "rowgroup", colspan: columns.length }, title)) : null;
-    const drawn = ordered.slice(0, room);
+    const head = title ? el("tr", { class: "rule", role: "row" }, el("th", { scope: "rowgroup", role: "rowheader", colspan: columns.length }, title)) : null;
+    const drawn = inOrder(rows, columns, sort).slice(0, room);
     room -= drawn.length;
-    return drawn.length > 0 ? el("tbody", {}, head, drawn.map((row) => line(row, columns))) : null;
+    return drawn.length > 0 ? el("tbody", { role: "rowgroup" }, head, drawn.map((row) => line(row, columns))) : null;
   });
-  return el("table", {}, captionOf(caption), el("thead", {}, el("tr", {}, heads)), bodies);
+  return el("table", { class: "stacked", role: "table" }, captionOf(caption), el("thead", { role: "rowgroup" }, el("tr", { role: "row" }, heads)), bodies);
+}
+
+/** Rows by the values of a column; as they are where the table has no such column. */
+function inOrder(rows, columns, sort) {
+  const isDown = sort.startsWith("-");
+  const sorted = columns.find((column) => column.key === (isDown ? sort.slice(1) : sort));
+  return sorted ? [...rows].sort((a, b) => compare(sorted.value(a), sorted.value(b), isDown)) : rows;
 }
 
 /** The caption of a table; it stays in sight when a wide table is scrolled. */
@@ -37,13 +44,14 @@ function captionOf(text) {
 function line(row, columns) {
   const cells = columns.map((column) => {
     const content = [column.cell(row)].flat();
-    return column.isHead ? el("th", { scope: "row", class: "name" }, content) : el("td", { class: classOf(column) }, content);
+    if (column.isHead) return el("th", { scope: "row", role: "rowheader", class: "name" }, content);
+    return el("td", { role: "cell", class: classOf(column), "data-label": [column.over, column.title].filter(Boolean).join(" ") }, content);
   });
-  return el("tr", {}, cells);
+  return el("tr", { role: "row" }, cells);
 }
 
 function classOf(column) {
-  return column.isNumber ? "number" : column.isDrawn ? "drawn" : null;
+  return column.isNumber ? (column.isMinor ? "number minor" : "number") : column.isDrawn ? "drawn" : null;
 }
 
 function compare(a, b, isDown) {
@@ -69,6 +77,7 @@ function fillSorted(holder, { caption, columns, rows, sort }) {
     fillSorted(holder, { caption, columns, rows, sort: next });
     say(sortedBy(columns, next));
   };
+  holder.csv = () => csvOf(columns, inOrder(rows, columns, sort));
   redrawTable(holder, () => sortableTable({ caption, columns, sections: [{ title: null, rows }], sort, change }));
 }
 
@@ -80,6 +89,7 @@ function sortedBy(columns, sort) {
 /** A table draws itself anew where it stands, and the head that was pressed keeps the focus. */
 function redrawTable(holder, make) {
   const pressed = holder.contains(document.activeElement) ? document.activeElement.dataset.sort : null;
+  hideTip();
   holder.replaceChildren(make());
   if (pressed) holder.querySelector(`[data-sort="${CSS.escape(pressed)}"]`)?.focus();
 }

@@ -10,10 +10,12 @@ use super::embed::{base64, html, json};
 const SHELL: &str = include_str!("../../assets/page/page.html");
 const STYLE: &str = include_str!("../../assets/page/page.css");
 /// In the order in which one uses the other.
-const SCRIPTS: [&str; 13] = [
+const SCRIPTS: [&str; 15] = [
     include_str!("../../assets/page/dom.js"),
     include_str!("../../assets/page/store.js"),
     include_str!("../../assets/page/address.js"),
+    include_str!("../../assets/page/csv.js"),
+    include_str!("../../assets/page/tips.js"),
     include_str!("../../assets/page/rle.js"),
     include_str!("../../assets/page/overlay.js"),
     include_str!("../../assets/page/chart.js"),

@@ -22,6 +22,7 @@ impl Serialize for Overview<'_> {
         let heading = &board.heading;
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("software", env!("CARGO_PKG_VERSION"))?;
+        map.serialize_entry("day", &board.day)?;
         map.serialize_entry("benchmark", &heading.benchmark)?;
         map.serialize_entry("version", &heading.on.benchmark_version)?;
         map.serialize_entry("truthDigest", &heading.on.truth_digest)?;

@@ -42,6 +42,30 @@ struct ThingPage {
     places: Vec<i64>,
 }
 
+/// What lists of scenes show of one: the picture in the middle of its clip or, without it, what is there.
+#[derive(Serialize)]
+pub(crate) struct Thumbnail<'a> {
+    picture: Option<&'a str>,
+    /// Whether it is an object, and its mask.
+    things: Vec<(bool, &'a str)>,
+}
+
+impl ScenePage<'_> {
+    pub(crate) fn thumbnail(&self) -> Thumbnail<'_> {
+        let middle = self.backdrops.len() / 2;
+        let picture = self.backdrops.get(middle).and_then(Option::as_deref);
+        let drawn = |thing: &ThingPage| {
+            let place = usize::try_from(*thing.places.get(middle)?).ok()?;
+            Some((thing.is_object, self.pool.get(place)?.as_str()))
+        };
+        let things = match picture {
+            Some(_) => Vec::new(),
+            None => self.things.iter().filter_map(drawn).collect(),
+        };
+        Thumbnail { picture, things }
+    }
+}
+
 /// Of one method, query by query.
 #[derive(Serialize)]
 struct AnswersPage<'a> {
