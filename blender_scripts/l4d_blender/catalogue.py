@@ -14,7 +14,7 @@ import pkgutil
 import random
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from .placing import Thing
 
@@ -90,6 +90,7 @@ class Range:
 
 
 Attribute: TypeAlias = Choice | Range
+Factory = TypeVar("Factory", bound=Callable[..., Thing])
 
 
 def colours(parameter: str, *words: str) -> Choice:
@@ -114,7 +115,7 @@ class Kind:
     front: str | None = None
     attributes: Mapping[str, Attribute] = field(default_factory=dict)
 
-    def build(self, name: str, rng: random.Random, **attributes: Any) -> Thing:
+    def build(self, name: str, rng: random.Random, **attributes: Any) -> Any:
         """Builds one at the origin; a keyword is an attribute of this entry or a parameter of its asset."""
         return self.factory(name, rng, **self.arguments(**attributes))
 
@@ -167,13 +168,13 @@ def kind(
     *affordances: str,
     front: str | None = None,
     **attributes: Attribute,
-) -> Callable[[Callable[..., Thing]], Callable[..., Thing]]:
+) -> Callable[[Factory], Factory]:
     """Enters an asset function in the catalogue, as `<module>` or `<module>.<function>`."""
     unknown = set(affordances) - AFFORDANCES
     if unknown:
         raise CatalogueError(f"no affordance {', '.join(sorted(unknown))}", ", ".join(sorted(AFFORDANCES)))
 
-    def enter(factory: Callable[..., Thing]) -> Callable[..., Thing]:
+    def enter(factory: Factory) -> Factory:
         module = factory.__module__.rpartition(".")[2]
         name = module if module == factory.__name__ else f"{module}.{factory.__name__}"
         _KINDS[name] = Kind(name, category, factory, size_m, frozenset(affordances), front, attributes)

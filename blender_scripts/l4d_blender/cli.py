@@ -170,7 +170,8 @@ def _compose(options: argparse.Namespace, events: _Events) -> None:
     _follow_parent()
     _make_folder(options.out)
     _make_folder(options.recipes)
-    from .compose import attempts, stage
+    from .compose import attempts
+    from .compose.errors import Rejected
 
     spec = specs.Spec(
         options.scene,
@@ -192,7 +193,7 @@ def _compose(options: argparse.Namespace, events: _Events) -> None:
         )
     except specs.SpecError as error:
         raise WorkerError(str(error), error.hint) from error
-    except stage.Rejected:
+    except Rejected:
         events.send("exhausted", draws=options.draws)
     else:
         events.send("composed", draw=made.draw)

@@ -131,8 +131,10 @@ class Path:
             ring = [2 * anchors[0] - anchors[1], *anchors, 2 * anchors[-1] - anchors[-2]]
         self._points = [ring[1]]
         for i in range(len(ring) - 3):
-            span = ring[i : i + 4]
-            self._points += [_catmull_rom(*span, step / self._STEPS) for step in range(1, self._STEPS + 1)]
+            a, b, c, d = ring[i : i + 4]
+            self._points += [
+                _catmull_rom(a, b, c, d, step / self._STEPS) for step in range(1, self._STEPS + 1)
+            ]
         self._lengths = [0.0]
         for a, b in zip(self._points, self._points[1:]):
             self._lengths.append(self._lengths[-1] + (b - a).length)
@@ -175,7 +177,9 @@ def _by_frame(values: Mapping | Sequence) -> dict:
 
 
 def _decompose(matrices: Sequence[Matrix]) -> tuple[list[Vector], list[Quaternion], list[Vector]]:
-    locations, rotations, scales = [], [], []
+    locations: list[Vector] = []
+    rotations: list[Quaternion] = []
+    scales: list[Vector] = []
     for matrix in matrices:
         location, rotation, scale = matrix.decompose()
         if rotations and rotation.dot(rotations[-1]) < 0.0:

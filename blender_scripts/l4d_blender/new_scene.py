@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 from . import files
 from .recipes import WorkerError
@@ -51,7 +52,7 @@ def build(scene: Scene) -> None:
     )
 '''
 
-_PLACES = {
+_PLACES: dict[str, dict[str, Any]] = {
     "outdoor": {
         "unit": 1.0,
         "place": 'scene.make("ground", "ground")',

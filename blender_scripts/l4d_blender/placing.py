@@ -9,7 +9,7 @@ import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import radians
-from typing import Protocol, TypeAlias, TypeVar
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 import bpy
 from mathutils import Matrix, Vector
@@ -45,7 +45,8 @@ def parts(thing: Thing) -> list[bpy.types.Object]:
     """The mesh objects of a thing, the one with the axes first."""
     if isinstance(thing, bpy.types.Object):
         return [thing]
-    return list(getattr(thing, "parts", thing))
+    several: Any = thing
+    return list(getattr(several, "parts", several))
 
 
 def pose(at: Point, heading_deg: float = 0.0, *, tilt_deg: float = 0.0, scale: float = 1.0) -> Matrix:
@@ -83,7 +84,7 @@ def place(
     elif hasattr(thing, "place"):
         thing.place(matrix)
     else:
-        for part in thing:
+        for part in parts(thing):
             part.matrix_basis = matrix
     return thing
 

@@ -29,8 +29,8 @@ def write_sheet(
     """Renders views x frames and writes one PNG: a row per view, a column per frame (ids in a second row)."""
     width, height = size
     renderer = Renderer(width, height, samples, exact=ids)
-    rows = {view: [] for view in views}
-    id_rows = {view: [] for view in views}
+    rows: dict[str, list[np.ndarray]] = {view: [] for view in views}
+    id_rows: dict[str, list[np.ndarray]] = {view: [] for view in views}
     for frame in frames:
         for view in views:
             rows[view].append(display(renderer.beauty(view, frame), scene.exposure))

@@ -78,12 +78,12 @@ def build(name: str, seed: int = 0, folder: Path = RECIPES) -> tuple[Scene, str]
 def _composed(path: Path) -> tuple[Scene, str]:
     from .compose import build as composer
     from .compose import spec as specs
-    from .compose import stage
+    from .compose.errors import Rejected
 
     try:
         composition = specs.read(path)
         scene, staged = composer.build(composition)
-    except (specs.SpecError, stage.Rejected) as error:
+    except (specs.SpecError, Rejected) as error:
         hint = getattr(error, "hint", "compose it again: its scripts have changed since")
         raise WorkerError(f"{path}: {error}", hint) from error
     return scene, staged.description
@@ -93,7 +93,7 @@ def script_digests(folder: Path = RECIPES, also: Sequence[str] = ()) -> dict[str
     """sha256 of every project file imported so far (and of `also`), by its path in the project."""
     imported = [getattr(module, "__file__", None) for module in list(sys.modules.values())]
     files = {Path(file).resolve() for file in imported if file} | {PROJECT / file for file in also}
-    digests = {}
+    digests: dict[str, str] = {}
     for file in files:
         if file.suffix != ".py" or not file.is_file():
             continue
@@ -107,6 +107,7 @@ def script_digests(folder: Path = RECIPES, also: Sequence[str] = ()) -> dict[str
 
 def _load(path: Path) -> ModuleType:
     spec = importlib.util.spec_from_file_location(f"scenes.{path.stem}", path)
+    assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Iterator, Sequence
 from math import cos, degrees, radians, sin
+from typing import cast
 
 import bpy
 
@@ -36,7 +37,8 @@ def scatter(
     (added to the spot's own heading); turn before scale if `turn_first`.
     """
     for k, spot in enumerate(spots):
-        (x, y), heading_deg = spot if isinstance(spot[0], Sequence) else (spot, 0.0)
+        at, heading_deg = cast("Spot", spot) if isinstance(spot[0], Sequence) else (cast("Point", spot), 0.0)
+        x, y = at
         if loose_m:
             x, y = x + rng.uniform(-loose_m, loose_m), y + rng.uniform(-loose_m, loose_m)
         if turn_first:

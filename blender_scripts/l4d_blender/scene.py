@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import cos, radians, sin
 from pathlib import Path
+from typing import Any
 
 import bpy
 from mathutils import Matrix, Vector
@@ -149,7 +150,7 @@ class Scene:
         self.instances.append(made)
         return made
 
-    def make(self, kind: str, name: str, rng: random.Random | None = None, **attributes: object) -> Thing:
+    def make(self, kind: str, name: str, rng: random.Random | None = None, **attributes: Any) -> Any:
         """Builds a thing of the catalogue at the origin; its own random stream unless one is shared."""
         try:
             return catalogue.find(kind).build(name, rng or self.rng(name), **attributes)
@@ -179,8 +180,8 @@ class Scene:
         rng: random.Random | None = None,
         on: Support = 0.0,
         tilt_deg: float = 0.0,
-        **attributes: object,
-    ) -> Thing:
+        **attributes: Any,
+    ) -> Any:
         """Builds a thing of the catalogue and places it: `make`, then `place`. It has no identity."""
         thing = self.make(kind, name, rng, **attributes)
         return self.place(thing, at, heading_deg, on=on, tilt_deg=tilt_deg)
@@ -199,7 +200,7 @@ class Scene:
         rng: random.Random | None = None,
         on: Support = 0.0,
         tilt_deg: float = 0.0,
-        **looks: object,
+        **looks: Any,
     ) -> Instance:
         """Builds, places and registers a thing: category and front are those of its kind unless given."""
         thing = self.put(kind, name, at, heading_deg, rng=rng, on=on, tilt_deg=tilt_deg, **looks)

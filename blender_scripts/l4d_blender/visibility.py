@@ -49,7 +49,9 @@ def measure(scene: Scene, threads: int = 0) -> Visibility:
     small = PROFILES["small"]
     renderer = Renderer(small.width // _SHRINK, small.height // _SHRINK, 1, threads=threads)
     objects = [instance for instance in scene.instances if instance.role == "object"]
-    pixels = {camera.name: {instance.name: [] for instance in objects} for camera in scene.camera_rig}
+    pixels: dict[str, dict[str, list[int]]] = {
+        camera.name: {instance.name: [] for instance in objects} for camera in scene.camera_rig
+    }
     for frame in _FRAMES:
         for camera, (_, ids) in renderer.exact(list(pixels), frame).items():
             counts = np.bincount(ids.ravel(), minlength=1000)

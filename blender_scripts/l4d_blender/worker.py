@@ -85,8 +85,8 @@ def run(job: Job, send: Send) -> None:
     black = np.zeros((job.height, job.width, 3), dtype=np.float32)
     renderer = Renderer(job.width, job.height, max(job.samples, 1), denoise=job.denoise, threads=job.threads)
     send("start", device=renderer.device, images=len(job.images), seconds=_since(started))
-    for name, view in views.items():
-        files.write_bytes(job.out / "frames" / name / "view.json", files.canonical_json(view))
+    for name, entry in views.items():
+        files.write_bytes(job.out / "frames" / name / "view.json", files.canonical_json(entry))
     for chunk in _chunks(job.images):
         started = time.monotonic()
         exact = {frame: renderer.exact(few, frame) for frame, few in chunk.items()}

@@ -13,8 +13,8 @@ from math import degrees, pi
 from mathutils import Matrix
 
 from l4d_blender.assets import basket
-from l4d_blender.assets.materials.base import Colour
 from l4d_blender.assets.person import Cloth, Look
+from l4d_blender.colour import Colour
 from l4d_blender.motion.traders import Trader, swing_while_carried
 from l4d_blender.scattering import scatter
 from l4d_blender.scene import Instance, Scene
@@ -178,9 +178,9 @@ def _person(
         category="person",
         look=look,
         attributes={
-            "shirt": look.top.colour,
+            "shirt": str(look.top.colour),
             "pattern": {"checks": "checked"}.get(look.top.pattern, look.top.pattern),
-            "apron": look.apron.colour if look.apron else "none",
+            "apron": str(look.apron.colour) if look.apron else "none",
             "hair": look.hair,
         },
         at=at,

@@ -260,7 +260,7 @@ def _child(
         category="child",
         look=look,
         attributes={
-            "shirt": look.top.colour,
+            "shirt": str(look.top.colour),
             "pattern": {"stripes": "striped"}.get(look.top.pattern, look.top.pattern),
             "trousers": "shorts",
             "hair": look.hair,

@@ -12,6 +12,7 @@ Axes: the cooks stand on the +Y side of the island and face -Y, where the camera
 from __future__ import annotations
 
 from math import degrees, radians
+from typing import Any
 
 import numpy as np
 
@@ -213,8 +214,8 @@ def stir_and_taste(
 
     way = SpoonPath()
     first, second = (0, 34), (70, LAST_FRAME)
-    saucepan = {"radius_m": 0.046, "height_m": 0.030, "lean": (-0.20, 0.42, 1.0)}
-    stock_pot = {"radius_m": 0.062, "height_m": 0.055, "lean": (-0.26, 0.36, 1.0)}
+    saucepan: dict[str, Any] = {"radius_m": 0.046, "height_m": 0.030, "lean": (-0.20, 0.42, 1.0)}
+    stock_pot: dict[str, Any] = {"radius_m": 0.062, "height_m": 0.055, "lean": (-0.26, 0.36, 1.0)}
     chef.stir(way, pots["stirred"], ways["stirred"], first, **saucepan)
     chef.taste(way, (42, 60))
     chef.stir(way, pots["big"], ways["big"], second, **stock_pot)

@@ -226,7 +226,7 @@ def _child(
         look=look,
         attributes={
             "clothes": "dress" if wears_dress else "trousers",
-            "colour": cloth.colour,
+            "colour": str(cloth.colour),
             "pattern": {"stripes": "striped", "dots": "dotted"}[cloth.pattern],
             "hair": look.hair,
             "hair_colour": look.hair_colour,

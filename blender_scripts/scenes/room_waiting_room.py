@@ -155,7 +155,7 @@ def furnish(stage: Stage) -> None:
     scene.put("waiting_room.clock", "clock", (1.30, BACK_Y, 2.05), rng=rng)
 
 
-def put_bags(stage: Stage) -> tuple[Instance, Instance, Instance]:
+def put_bags(stage: Stage) -> tuple[Instance, ...]:
     """The duffel that is carried in, its twin on a seat, and the backpack on the next one."""
     scene = stage.scene
     bodies = []

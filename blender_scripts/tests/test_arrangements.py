@@ -10,7 +10,7 @@ import pytest
 
 from l4d_blender import catalogue
 from l4d_blender.compose.arrangements import arrange, pictures, stock
-from l4d_blender.compose.stage import Rejected
+from l4d_blender.compose.errors import Rejected
 
 
 def test_every_noun_can_be_drawn_in_words_that_its_asset_takes() -> None:

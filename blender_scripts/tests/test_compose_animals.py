@@ -19,8 +19,9 @@ from l4d_blender import tracks
 from l4d_blender.compose import build, checks
 from l4d_blender.compose.animals.ways import Body, ahead, find_way, fits
 from l4d_blender.compose.areas import Area
+from l4d_blender.compose.errors import Rejected
 from l4d_blender.compose.spec import Spec
-from l4d_blender.compose.stage import Rejected, Stage
+from l4d_blender.compose.stage import Stage
 from l4d_blender.motion.acting import grip_points
 from l4d_blender.scene import Scene
 

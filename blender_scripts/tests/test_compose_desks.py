@@ -10,11 +10,11 @@ from mathutils import Vector
 
 from l4d_blender import keys
 from l4d_blender.compose import build, themes
+from l4d_blender.compose.errors import Rejected
 from l4d_blender.compose.hands.penwork import Oblong, Spread, overlap
 from l4d_blender.compose.hands.spoonwork import SHAPE
 from l4d_blender.compose.looks import Look
 from l4d_blender.compose.spec import Spec
-from l4d_blender.compose.stage import Rejected
 from l4d_blender.motion import writing
 
 

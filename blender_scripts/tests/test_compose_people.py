@@ -13,13 +13,14 @@ import pytest
 from l4d_blender import tracks
 from l4d_blender.compose import build, checks
 from l4d_blender.compose.areas import Area
+from l4d_blender.compose.errors import NoRoom, Rejected
 from l4d_blender.compose.people import crowd, folk
 from l4d_blender.compose.people.errands import hand_over, pull_suitcase
-from l4d_blender.compose.people.rehearsal import Disc, Misfit, _behind, ahead
+from l4d_blender.compose.people.rehearsal import Disc, _behind, ahead
 from l4d_blender.compose.people.roles import Item, Role
 from l4d_blender.compose.people.wares import WARES
 from l4d_blender.compose.spec import Spec
-from l4d_blender.compose.stage import Chair, Rejected, Stage
+from l4d_blender.compose.stage import Chair, Stage
 from l4d_blender.compose.themes import themes
 from l4d_blender.scene import Scene
 
@@ -72,7 +73,7 @@ def test_who_has_no_time_left_does_not_walk() -> None:
     (figure, *_) = folk.cast(random.Random(1), "woman", 3)
     role = Role(figure, (0.0, 0.0), 0.0)
     role.wait(90)
-    with pytest.raises(Misfit):
+    with pytest.raises(NoRoom):
         role.walk([(0.0, -2.0)])
 
 
@@ -97,7 +98,7 @@ def test_those_who_hand_over_face_each_other() -> None:
         try:
             giver, taker = hand_over(rng, area, one, two, item)
             break
-        except Misfit:
+        except NoRoom:
             continue
     gap = np.linalg.norm(giver.disc.xy[46] - taker.disc.xy[46])
     assert 0.8 < gap < 1.2

@@ -8,7 +8,8 @@ import pytest
 
 from l4d_blender import tracks  # noqa: F401  brings bpy
 from l4d_blender.compose import build
-from l4d_blender.compose.areas import Area, NoRoom
+from l4d_blender.compose.areas import Area
+from l4d_blender.compose.errors import NoRoom
 from l4d_blender.compose.looks import Look
 from l4d_blender.compose.people import folk
 from l4d_blender.compose.places import Place

@@ -9,10 +9,11 @@ import pytest
 from conftest import first_of
 from mathutils import Vector
 
+from l4d_blender.compose.errors import Rejected
 from l4d_blender.compose.places import shipped_places
 from l4d_blender.compose.settings.rooms import FEET_M, TALL_M, Room
 from l4d_blender.compose.spec import Spec
-from l4d_blender.compose.stage import Rejected, Stage
+from l4d_blender.compose.stage import Stage
 from l4d_blender.scene import Scene
 
 ROOMS = [place for place in shipped_places() if place.scale == "room"]

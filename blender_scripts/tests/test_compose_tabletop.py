@@ -8,10 +8,11 @@ import pytest
 
 from l4d_blender import catalogue
 from l4d_blender.compose import build
+from l4d_blender.compose.errors import Rejected
 from l4d_blender.compose.hands import graspables
 from l4d_blender.compose.places import places
 from l4d_blender.compose.spec import Spec
-from l4d_blender.compose.stage import Rejected, Stage
+from l4d_blender.compose.stage import Stage
 from l4d_blender.compose.themes import themes
 from l4d_blender.scene import Scene
 from l4d_blender.timeline import MIN_EVENT_FRAMES
@@ -26,7 +27,7 @@ def _furnished(place: str, seed: int) -> Stage:
         stage = Stage(Scene(spec.scene, spec.scale, spec.seed), spec)
         try:
             places()[place].furnish(stage)
-        except Exception as error:  # NoRoom, Rejected
+        except Rejected as error:
             print(error)
             continue
         return stage

@@ -9,9 +9,10 @@ from conftest import first_of
 
 from l4d_blender.compose import build, themes
 from l4d_blender.compose.areas import Area
+from l4d_blender.compose.errors import Rejected
 from l4d_blender.compose.hands import arms
 from l4d_blender.compose.spec import Spec
-from l4d_blender.compose.stage import Rejected, Seat
+from l4d_blender.compose.stage import Seat
 from l4d_blender.timeline import MIN_EVENT_FRAMES
 
 THEMES = ("windup_toys", "spinning_tops", "tea_poured", "building_blocks", "rolling_toys", "dinner_laid")

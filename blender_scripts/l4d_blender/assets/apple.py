@@ -18,8 +18,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.catalogue import Choice, kind
+from l4d_blender.colour import Colour
 
-Colour = tuple[float, float, float]
 RED = ((0.46, 0.24, 0.045), (0.36, 0.016, 0.014))
 GREEN = ((0.22, 0.33, 0.035), (0.30, 0.30, 0.05))
 YELLOW = ((0.55, 0.40, 0.06), (0.52, 0.20, 0.03))

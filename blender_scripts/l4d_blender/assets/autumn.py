@@ -11,10 +11,10 @@ from mathutils import Vector
 
 from l4d_blender.catalogue import kind
 
+from ..colour import Colour, rgb
 from . import mesh
 from .ground import LEVEL, Terrain
 from .materials import outdoors
-from .materials.base import Colour
 
 TONES: tuple[Colour, ...] = ((0.42, 0.24, 0.030), (0.36, 0.115, 0.020), (0.20, 0.18, 0.035))
 
@@ -25,7 +25,7 @@ def turned(tree: bpy.types.Object, tone: Colour) -> bpy.types.Object:
         if "leaves" in slot.material.name:
             slot.material = outdoors.leaves(f"{tree.name}_leaves_turned", tone)
         elif "mass" in slot.material.name:
-            slot.material = outdoors.foliage_mass(f"{tree.name}_mass_turned", tuple(0.5 * c for c in tone))
+            slot.material = outdoors.foliage_mass(f"{tree.name}_mass_turned", rgb(0.5 * c for c in tone))
     return tree
 
 

@@ -15,8 +15,7 @@ from mathutils import Vector, noise
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import kind, words
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 COLOURS: dict[str, Colour] = {
     "brown": (0.20, 0.085, 0.035),

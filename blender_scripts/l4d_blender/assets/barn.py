@@ -14,6 +14,7 @@ from mathutils import Matrix, Vector, noise
 
 from l4d_blender.catalogue import kind
 
+from ..colour import rgb
 from . import haystack, mesh
 from .materials import outdoors
 
@@ -103,7 +104,11 @@ def _footing(name: str, rng: random.Random) -> list[bpy.types.Object]:
                     f"{name}_stone", (length * 0.97, 0.24, height * rng.uniform(0.9, 1.0)), 0.03, 2
                 )
                 shift = Vector([rng.uniform(-9, 9) for _ in range(3)])
-                mesh.displace(stone, lambda p, _, shift=shift: 0.016 * noise.noise(p * 7.0 + shift))
+
+                def uneven(p: Vector, _: Vector, shift: Vector = shift) -> float:
+                    return 0.016 * noise.noise(p * 7.0 + shift)
+
+                mesh.displace(stone, uneven)
                 at = start + way * min(along + length / 2, (end - start).length - length / 3)
                 mesh.transform(stone, Matrix.Translation(at + Vector((0, 0, height * course - 0.06))) @ turn)
                 mesh.set_material(stone, look)
@@ -203,7 +208,7 @@ def barn(
 ) -> bpy.types.Object:
     """6 m wide, 5 m deep, 4.5 m to the ridge; the roof's ridge runs from front to back."""
     boards = outdoors.weathered_wood(f"{name}_boards", tone)
-    trim = outdoors.weathered_wood(f"{name}_trim", tuple(1.35 * c for c in tone))
+    trim = outdoors.weathered_wood(f"{name}_trim", rgb(1.35 * c for c in tone))
     timber = outdoors.weathered_wood(f"{name}_timber", (0.17, 0.125, 0.09), grain_axis="X")
     plain = _gable_wall(name, rng, door=True)
     for turn, wall in (

@@ -14,9 +14,10 @@ from mathutils import Vector, noise
 
 from l4d_blender.catalogue import kind, words
 
+from ..colour import Colour
 from . import mesh
 from .materials import interior, products
-from .materials.base import Colour, Nodes
+from .materials.base import Nodes
 from .materials.products import scaled
 
 HEIGHT_M = 0.20
@@ -142,7 +143,7 @@ def _lining(name: str, rng: random.Random) -> bpy.types.Object:
             hang = drop + (0.018 * fold if level == len(profile) - 1 else 0.0)
             r = share + ripple
             verts.append((RIM_RADII_M[0] * r * cos(a), RIM_RADII_M[1] * r * sin(a), HEIGHT_M + hang))
-    faces = [
+    faces: list[tuple[int, ...]] = [
         (i * count + k, i * count + (k + 1) % count, (i + 1) * count + (k + 1) % count, (i + 1) * count + k)
         for i in range(len(profile) - 1)
         for k in range(count)

@@ -9,8 +9,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
 from l4d_blender.catalogue import Range, colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 TOP_M = 0.46
 

@@ -9,9 +9,9 @@ from mathutils import Matrix
 
 from l4d_blender.catalogue import colours, kind
 
+from ..colour import Colour
 from . import mesh
 from .materials import lakeside, outdoors
-from .materials.base import Colour
 
 DISH_RADIUS_M = 0.135
 WATER_Z_M = 0.040

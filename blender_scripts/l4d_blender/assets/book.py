@@ -15,8 +15,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 BOARD_M = 0.0026
 OVERHANG_M = 0.004

@@ -9,8 +9,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
 from l4d_blender.catalogue import Range, colours, kind, words
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 
 @kind(
@@ -45,7 +44,7 @@ def cabinet(
         mesh.set_material(mesh.move(body, z=legs_m), front),
         mesh.set_material(mesh.move(top, z=height_m - 0.025), wood),
     ]
-    for x in (-1, 1):
+    for x in (-1.0, 1.0):
         for y in (-1, 1):
             leg = mesh.cylinder(f"{name}_leg", 0.016, legs_m + 0.01, 10, top_radius=0.024)
             mesh.move(leg, x=x * (width_m / 2 - 0.07), y=y * (depth_m / 2 - 0.06))
@@ -134,7 +133,8 @@ def _kept(
 ) -> list[bpy.types.Object]:
     """One board's row of things, with gaps as people leave them."""
     paints = [products.paper(f"{name}_{k}", tone, rng) for k, tone in enumerate(_TONES[content])]
-    made, x = [], -width / 2
+    made: list[bpy.types.Object] = []
+    x = -width / 2
     while True:
         wide = {"boxes": (0.18, 0.34), "jars": (0.08, 0.12), "toys": (0.08, 0.22), "linen": (0.26, 0.34)}[
             content

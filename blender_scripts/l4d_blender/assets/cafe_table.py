@@ -14,8 +14,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import colours, kind, words
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 HEIGHT_M = 0.74
 _TOP_M = 0.026

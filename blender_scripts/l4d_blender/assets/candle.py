@@ -13,8 +13,8 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.catalogue import Range, kind
+from l4d_blender.colour import Colour
 
-Colour = tuple[float, float, float]
 _FOOT_M = 0.052
 
 

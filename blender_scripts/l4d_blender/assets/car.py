@@ -16,12 +16,11 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.catalogue import kind, words
 
+from ..colour import Colour
 from . import mesh
 from .lettering import lettering
 from .materials import street
 from .materials.base import emission, principled
-
-Colour = tuple[float, float, float]
 
 WHEEL_RADIUS_M = 0.295
 WHEELBASE_M = 2.36

@@ -15,8 +15,7 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 PITCH_M = 0.60
 SEAT_M = 0.45

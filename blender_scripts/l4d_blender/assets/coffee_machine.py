@@ -12,8 +12,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 
 @kind("machine", (0.96, 0.512, 1.3), front="-y", colour=colours("enamel"))

@@ -14,8 +14,7 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import Choice, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour, rgb
 
 LENGTH_M = 0.116
 HALF_WIDTH_M = 0.0325
@@ -58,7 +57,7 @@ def computer_mouse(name: str, rng: random.Random, *, shell: Colour = BLACK) -> b
     body = _shell(f"{name}_shell")
     for material in (
         products.satin_plastic(f"{name}_plastic", shell, rng),
-        products.rubber(f"{name}_rubber", tuple(0.4 * c + 0.012 for c in shell), rng),
+        products.rubber(f"{name}_rubber", rgb(0.4 * c + 0.012 for c in shell), rng),
         products.satin_plastic(f"{name}_gap", (0.003, 0.003, 0.003), rng, roughness=0.9),
     ):
         body.data.materials.append(material)
@@ -92,7 +91,7 @@ def _shell(name: str, rows: int = 44, half_columns: int = 15) -> bpy.types.Objec
 
     verts = [surface_point(t, s) for t in lengthwise for s in across]
     width = len(across)
-    faces = [
+    faces: list[tuple[int, ...]] = [
         (row * width + col, row * width + col + 1, (row + 1) * width + col + 1, (row + 1) * width + col)
         for row in range(len(lengthwise) - 1)
         for col in range(width - 1)
@@ -128,7 +127,7 @@ def _wheel(name: str) -> bpy.types.Object:
             a = math.pi * k / teeth
             verts.append(Vector((side, r * math.cos(a), r * math.sin(a))))
     ring = 2 * teeth
-    faces = [
+    faces: list[tuple[int, ...]] = [
         (
             band * ring + k,
             band * ring + (k + 1) % ring,

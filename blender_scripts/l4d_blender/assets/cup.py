@@ -17,8 +17,8 @@ from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import Choice, colours, kind, words
+from l4d_blender.colour import Colour
 
-Colour = tuple[float, float, float]
 Profile = tuple[tuple[float, float], ...]
 
 COFFEE: Colour = (0.030, 0.012, 0.005)
@@ -201,6 +201,7 @@ def _drink(name: str, look: Look) -> bpy.types.Object:
     """A disc of liquid below the lip that creeps up the wall by a millimetre."""
     z = look.profile[-1][1] - FULL_BELOW_LIP_M
     r = _radius_at(look.profile, z) - WALL_M
+    assert look.liquid is not None
     surface = mesh.lathe(name, [(0.0, z), (0.5 * r, z), (0.9 * r, z), (r + 0.0004, z + 0.0010)], segments=40)
     mesh.set_material(surface, products.liquid(name, look.liquid))
     return surface

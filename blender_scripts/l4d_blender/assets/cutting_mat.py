@@ -13,8 +13,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
 from l4d_blender.catalogue import kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 THICKNESS_M = 0.003
 

@@ -18,6 +18,7 @@ from mathutils import Matrix, Vector, noise
 
 from l4d_blender.catalogue import kind, words
 
+from ..colour import Colour, rgb
 from . import implicit, mesh
 from .materials import dogs as materials
 from .rigs import hang, upright_armature
@@ -27,7 +28,6 @@ BODY_FACES = 13000
 TAIL_BONES = 6
 SIDES = (".L", ".R")
 
-Colour = tuple[float, float, float]
 
 JOINTS: dict[str, tuple[float, float, float]] = {
     "pelvis": (0.0, 0.255, 0.455),
@@ -277,7 +277,7 @@ def _step(low: float, high: float, x: float) -> float:
 
 
 def _mixed(a: Colour, b: Colour, t: float) -> Colour:
-    return tuple(x + (y - x) * t for x, y in zip(a, b, strict=True))
+    return rgb(x + (y - x) * t for x, y in zip(a, b, strict=True))
 
 
 def _paint(coat: Coat, seed: Vector) -> Callable[[Vector], Colour]:

@@ -13,8 +13,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 
 @kind("ruler", (0.21, 0.033, 0.004), "graspable", "pushable")

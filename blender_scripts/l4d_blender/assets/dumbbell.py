@@ -11,8 +11,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import gym
 from l4d_blender.catalogue import COLOURS, Choice, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 
 @dataclass(frozen=True)

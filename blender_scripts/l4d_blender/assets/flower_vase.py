@@ -15,8 +15,7 @@ from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.catalogue import kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 DAISY = ((0.74, 0.72, 0.66), (0.66, 0.36, 0.03))
 ROSE = ((0.62, 0.13, 0.17), (0.50, 0.05, 0.08))
@@ -81,7 +80,8 @@ def _head(
     name: str, pose: Matrix, petal: bpy.types.Material, heart: bpy.types.Material, rng: random.Random
 ) -> list[bpy.types.Object]:
     """Two rings of petals round a domed heart."""
-    verts, faces = [], []
+    verts: list[Vector] = []
+    faces: list[tuple[int, ...]] = []
     for ring, (count, length, rise) in enumerate(((13, 0.019, 0.10), (10, 0.014, 0.55))):
         for k in range(count):
             angle = 2 * pi * (k + 0.5 * ring + rng.uniform(-0.15, 0.15)) / count
@@ -99,7 +99,8 @@ def _head(
 
 
 def _leaf(name: str, length: float) -> bpy.types.Object:
-    verts, faces = [], []
+    verts: list[Vector] = []
+    faces: list[tuple[int, ...]] = []
     for j in range(7):
         t = j / 6
         half = 0.17 * length * max(sin(pi * t**0.8), 0.03)

@@ -15,8 +15,8 @@ from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.catalogue import colours, kind
+from l4d_blender.colour import Colour
 
-Colour = tuple[float, float, float]
 BOWL_RIM_M, BOWL_HEIGHT_M, BOWL_FLOOR_M = 0.158, 0.072, 0.0085
 
 

@@ -18,6 +18,7 @@ from .implicit import (
     Cone,
     Ellipsoid,
     Grid,
+    Stack,
     blended,
     clip,
     hem,
@@ -171,6 +172,7 @@ class Skirt:
     def ring(self, turn: np.ndarray, z: np.ndarray, offset: float = 0.0) -> np.ndarray:
         """Points at angles `turn` (0 = front, counter-clockwise from above) and reference heights z."""
         k, trunk = self.anatomy.scale, self.anatomy.torso[0]
+        assert isinstance(trunk, Stack)
         held = np.maximum(z, 0.885)
         wide, deep, shift = trunk.section(held * k)
         belly = 0.016 * smoothstep(1.0, 0.90, z)
@@ -333,7 +335,8 @@ def shoes(
 
 
 def _shoe_weights(anatomy: Anatomy, verts: np.ndarray) -> dict[str, np.ndarray]:
-    k, weights = anatomy.scale, {}
+    k = anatomy.scale
+    weights: dict[str, np.ndarray] = {}
     for side, s in SIDES:
         mine = (s * verts[:, 0] > 0.0).astype(float)
         ball = anatomy.joints[f"toe_{side}"][1]

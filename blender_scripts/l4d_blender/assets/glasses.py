@@ -13,8 +13,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 
 @kind("glasses", (0.14, 0.143, 0.047), "graspable")

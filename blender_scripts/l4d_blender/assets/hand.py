@@ -16,6 +16,7 @@ from mathutils import Matrix
 
 from l4d_blender.catalogue import Choice, kind
 
+from ..colour import rgb
 from .anatomy import FINGERS, Bone, vec
 from .implicit import Blob, Cone, Ellipsoid, Grid, blended, clip, relax, smooth_min, smoothstep, surface_nets
 from .materials import skin as materials
@@ -271,7 +272,7 @@ def _nail(digit: str, material: bpy.types.Material) -> Shell:
     )
     verts = flat.reshape(-1, 3)
     thick = verts - 0.0012 * up
-    faces = []
+    faces: list[tuple[int, ...]] = []
     for row in range(7):
         for column in range(8):
             a = row * 9 + column
@@ -325,7 +326,8 @@ def _sleeve(name: str, cloth: bpy.types.Material, rib: bpy.types.Material) -> Sh
         [radius * np.cos(a), y, 0.80 * radius * np.sin(a) * (1 + 0.12 * smoothstep(0.1, 0.3, y))], axis=-1
     )
     verts = verts.reshape(-1, 3)
-    faces, zone = [], []
+    faces: list[tuple[int, ...]] = []
+    zone: list[int] = []
     for row in range(len(rows) - 1):
         for column in range(turns):
             right = (column + 1) % turns
@@ -370,7 +372,7 @@ def hand(name: str, rng: random.Random, *, look: HandLook = HandLook(), side: st
     """A flat hand with its arm at the origin; `side` is "l" or "r"."""
     tone = SKIN_TONES[look.skin]
     skin = materials.skin(f"{name}.skin", tone)
-    nail_colour = look.nails or tuple(min(c * f, 1.0) for c, f in zip(tone, (1.22, 1.12, 1.16)))
+    nail_colour = look.nails or rgb(min(c * f, 1.0) for c, f in zip(tone, (1.22, 1.12, 1.16)))
     nail = materials.gloss(f"{name}.nail", nail_colour, 0.28)
     flesh = merged(f"{name}.hand", [_skin_shell(skin), *[_nail(digit, nail) for digit in DIGITS]])
     sleeve = _sleeve(name, *(_sleeve_materials(name, look)))

@@ -266,12 +266,12 @@ def hen(name: str, rng: random.Random, *, plumage: str = "russet", neck: str = "
             add(part, "body", "wing")
     for part, tissue in _head(name):
         add(part, "head", tissue)
-    for side in ("left", "right"):
-        for part, bone, tissue in _leg(name, side):
+    for leg in ("left", "right"):
+        for part, bone, tissue in _leg(name, leg):
             add(part, bone, tissue)
 
     bird = mesh.store_rest_position(mesh.join(name, parts))
     heads = {"body": BODY_PIVOT, "neck_low": NECK_LOW, "neck_high": NECK_MID, "head": NECK_TOP}
-    for side in ("left", "right"):
-        heads |= {f"thigh_{side}": HIP[side], f"shank_{side}": HOCK[side], f"foot_{side}": ANKLE[side]}
+    for leg in ("left", "right"):
+        heads |= {f"thigh_{leg}": HIP[leg], f"shank_{leg}": HOCK[leg], f"foot_{leg}": ANKLE[leg]}
     return hang(bird, upright_armature(f"{name}_rig", heads))

@@ -13,9 +13,10 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.catalogue import kind
 
+from ..colour import Colour
 from . import mesh
 from .materials import outdoors
-from .materials.base import Colour, Nodes, principled
+from .materials.base import Nodes, principled
 
 WALL_COLOURS: tuple[Colour, ...] = (
     (0.62, 0.55, 0.43),

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -124,7 +125,18 @@ class Stack:
         return np.where((side > 0.0) & (cap > 0.0), outside, np.maximum(side, cap))
 
 
-Blob = Cone | Ellipsoid | Stack
+class Blob(Protocol):
+    """A body of flesh: a signed distance that is blended with its neighbours'."""
+
+    @property
+    def blend(self) -> float:
+        """Over how many metres it is rounded where it meets others."""
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest corner of a box round the surface."""
+
+    def __call__(self, p: np.ndarray, /) -> np.ndarray:
+        """Signed distance at points (..., 3), about metres."""
 
 
 def blended(blobs: list[Blob], p: np.ndarray) -> np.ndarray:

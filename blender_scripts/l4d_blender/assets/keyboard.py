@@ -14,8 +14,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 UNIT_M = 0.0178
 GAP_M = 0.0022

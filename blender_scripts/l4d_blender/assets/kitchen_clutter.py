@@ -12,8 +12,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, kitchen
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 
 @kind("board", (0.38, 0.26, 0.09), "surface")

@@ -75,7 +75,7 @@ def stream(name: str, *, colour: tuple[float, float, float]) -> bpy.types.Object
         for i in range(sides):
             a = 2 * pi * i / sides
             verts.append((bow + radius * cos(a), 1.05 * radius * sin(a), -t))
-    faces = [
+    faces: list[tuple[int, ...]] = [
         (j * sides + i, (j + 1) * sides + i, (j + 1) * sides + (i + 1) % sides, j * sides + (i + 1) % sides)
         for j in range(rows)
         for i in range(sides)

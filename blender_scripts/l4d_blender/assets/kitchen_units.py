@@ -6,6 +6,7 @@ Backs on the plane y = 0, fronts towards -Y (the island: centred, cooks stand on
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, pi, sin
 
@@ -161,7 +162,7 @@ def hob(
     name: str,
     rng: random.Random,
     *,
-    burners: list[tuple[float, float]] = ((-0.2, 0.0), (0.2, 0.0)),
+    burners: Sequence[tuple[float, float]] = ((-0.2, 0.0), (0.2, 0.0)),
     size_m: tuple[float, float] = (0.8, 0.46),
 ) -> bpy.types.Object:
     """A gas hob to lie on a worktop: steel tray, a burner and a cast grate per place, knobs along +Y."""

@@ -15,8 +15,7 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import Choice, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 BASE_M = 0.0155
 LID_M = 0.0065
@@ -218,7 +217,8 @@ def _screen(name: str, rng: random.Random, half_w: float, half_h: float, page: i
     for layer, (key, rectangles) in enumerate(sheets.items()):
         if not rectangles:
             continue
-        verts, faces = [], []
+        verts: list[tuple[float, float, float]] = []
+        faces: list[tuple[int, ...]] = []
         for x0, y0, x1, y1 in rectangles:
             first, z = len(verts), 0.00012 * layer
             verts += [(x0, y0, z), (x1, y0, z), (x1, y1, z), (x0, y1, z)]

@@ -11,8 +11,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 LINEN: tuple[Colour, ...] = (
     (0.62, 0.60, 0.56),

@@ -17,8 +17,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 PAGE_M = (0.212, 0.285)
 SLOPE_RAD = radians(14.0)  # each half rises this much away from the spine
@@ -132,7 +131,8 @@ def _print(name: str, rng: random.Random, z: float, arch_m: float = 0.0) -> list
             y -= 0.0078
     made = []
     for key, rectangles in blocks.items():
-        verts, faces = [], []
+        verts: list[tuple[float, float, float]] = []
+        faces: list[tuple[int, ...]] = []
         for x0, y0, x1, y1 in rectangles:
             cells = 4
             first = len(verts)

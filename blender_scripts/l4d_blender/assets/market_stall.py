@@ -13,9 +13,10 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.catalogue import kind
 
+from ..colour import Colour
 from . import mesh
 from .materials import interior, outdoors, products
-from .materials.base import Colour, Nodes
+from .materials.base import Nodes
 from .materials.products import scaled
 
 COUNTER_M = 0.78

@@ -13,8 +13,7 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 BEZEL_M = 0.010
 BOTTOM_M = 0.095

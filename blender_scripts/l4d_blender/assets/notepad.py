@@ -14,8 +14,7 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 THICKNESS_M = 0.009
 LINE_PITCH_M = 0.007

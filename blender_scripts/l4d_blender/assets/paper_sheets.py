@@ -14,8 +14,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 A5_M = (0.148, 0.210)
 
@@ -65,7 +64,8 @@ def _sheet(name: str, rng: random.Random, curl_m: float) -> bpy.types.Object:
         marks.append((-0.055, y, rng.uniform(0.085, 0.108), 0.0018))
         y -= 0.0056
     marks += [(-0.050 + 0.012 * k, -0.075, 0.008, rng.uniform(0.015, 0.058)) for k in range(8)]
-    verts, faces = [], []
+    verts: list[Vector] = []
+    faces: list[tuple[int, ...]] = []
     for x, low, w, h in marks:
         first = len(verts)
         verts += [

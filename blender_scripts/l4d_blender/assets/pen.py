@@ -14,8 +14,7 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 LENGTH_M = 0.142
 RADIUS_M = 0.0052

@@ -15,8 +15,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.pen import upright_pen
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 RADIUS_M = 0.036
 HEIGHT_M = 0.098

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import bpy
 import numpy as np
@@ -14,14 +15,13 @@ from mathutils import Matrix
 
 from l4d_blender.catalogue import Choice, kind, words
 
+from ..colour import Colour
 from . import garments, head
 from .anatomy import BUILDS, CHIN_M, FINGERS, SIDES, Anatomy, vec
 from .implicit import clip, smoothstep
 from .materials import skin as materials
 from .rigs import armature
 from .shell import Shell, make_mesh, merged, tube
-
-Colour = tuple[float, float, float]
 
 SKIN_TONES: dict[str, Colour] = {
     "pale": (0.72, 0.46, 0.36),
@@ -95,7 +95,7 @@ class Look:
     nose: float = 1.0
     seed: int = 0
 
-    def dressed(self, **changes: object) -> Look:
+    def dressed(self, **changes: Any) -> Look:
         """The same person in something else: look.dressed(apron=Cloth("white"))."""
         return replace(self, **changes)
 
@@ -172,6 +172,7 @@ def _clothes(name: str, look: Look, tailor: garments.Tailor, skirt: garments.Ski
     neck = (0.088, 0.045) if feminine else (0.078, 0.008)
     shells = []
     if wears_skirt:
+        assert skirt is not None
         shirt = garments.top(
             tailor, f"{name}.top", upper, sleeve=look.sleeve, hem_z=0.97, ease=0.008, loose=0.0, neck=neck
         )
@@ -191,6 +192,7 @@ def _clothes(name: str, look: Look, tailor: garments.Tailor, skirt: garments.Ski
         cloth = _cloth(f"{name}.jacket", look.jacket)
         shells.append(garments.jacket(tailor, f"{name}.jacket", [cloth]))
     if look.apron:
+        assert skirt is not None
         cloth = _cloth(f"{name}.apron", look.apron)
         lift = 0.014 if wears_skirt else 0.020
         front = skirt.panel(

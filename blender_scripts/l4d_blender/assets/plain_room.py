@@ -18,8 +18,8 @@ from l4d_blender.assets import mesh, office_room, waiting_room
 from l4d_blender.assets.materials import gym, interior, kitchen, products
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.catalogue import kind, words
+from l4d_blender.colour import Colour
 
-Colour = tuple[float, float, float]
 Opening = tuple[float, float, float, float]
 """From, to along the wall (x of the back wall, y of the others), from, to in height."""
 
@@ -78,10 +78,10 @@ def plain_room(
         ("right", -90.0, (half_width_m, 0.0), (front_m, back_m), -1.0),
     ):
         frame = placing.pose(at, heading)
-        along = sorted((sign * span[0], sign * span[1]))
-        holes = [(*sorted((sign * a, sign * b)), low, high) for a, b, low, high in openings.get(side, ())]
+        along = _between(sign * span[0], sign * span[1])
+        holes = [(*_between(sign * a, sign * b), low, high) for a, b, low, high in openings.get(side, ())]
         for k, (low, high, out, upright, paint) in enumerate(layers):
-            sheet = _sheet(f"{name}_{side}_{k}", (along[0], along[1]), (low, high), holes, upright)
+            sheet = _sheet(f"{name}_{side}_{k}", along, (low, high), holes, upright)
             mesh.set_material(sheet, paint)
             turn = Matrix.Identity(4) if upright else Matrix.Rotation(1.5707963, 4, "X")
             sheet.matrix_basis = frame @ Matrix.Translation((0.0, -out, 0.0)) @ turn
@@ -140,13 +140,20 @@ def _ring(half_width: float, front: float, back: float) -> list[tuple[float, flo
     return [(-half_width, front), (half_width, front), (half_width, back), (-half_width, back)]
 
 
+def _between(a: float, b: float) -> tuple[float, float]:
+    """Two ends, the lower one first."""
+    low, high = sorted((a, b))
+    return low, high
+
+
 def _sheet(
     name: str, along: tuple[float, float], tall: tuple[float, float], holes: Sequence[Opening], upright: bool
 ) -> bpy.types.Object:
     """A wall from `low` to `high` without its holes, in its own XZ plane (or XY, to be turned up)."""
     us = sorted({*along, *(u for a, b, _, _ in holes for u in (a, b) if along[0] < u < along[1])})
     zs = sorted({*tall, *(z for _, _, a, b in holes for z in (a, b) if tall[0] < z < tall[1])})
-    verts, faces = [], []
+    verts: list[tuple[float, float]] = []
+    faces: list[tuple[int, ...]] = []
     for u0, u1 in zip(us, us[1:]):
         for z0, z1 in zip(zs, zs[1:]):
             u, z = 0.5 * (u0 + u1), 0.5 * (z0 + z1)

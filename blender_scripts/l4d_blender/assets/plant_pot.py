@@ -15,8 +15,7 @@ from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 
 @kind("plant", (0.261, 0.289, 0.248), "graspable", colour=colours("pot"))

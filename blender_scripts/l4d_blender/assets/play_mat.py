@@ -10,8 +10,9 @@ import bpy
 
 from l4d_blender.catalogue import kind
 
+from ..colour import Colour
 from . import mesh
-from .materials.base import Colour, Nodes
+from .materials.base import Nodes
 from .materials.products import scaled
 
 THICKNESS_M = 0.014

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import bpy
+import numpy as np
 from mathutils import Matrix, Vector
 
 
@@ -18,7 +19,27 @@ class Bone(NamedTuple):
     parent: str | None = None
 
 
-def armature(name: str, bones: Iterable[Bone]) -> bpy.types.Object:
+class AnyBone(Protocol):
+    """A bone at rest, of any kind that says so."""
+
+    @property
+    def name(self) -> str:
+        """Of the bone."""
+
+    @property
+    def head(self) -> Sequence[float] | np.ndarray:
+        """Its own joint."""
+
+    @property
+    def tail(self) -> Sequence[float] | np.ndarray:
+        """Where it ends."""
+
+    @property
+    def parent(self) -> str | None:
+        """The name of the bone that it hangs on."""
+
+
+def armature(name: str, bones: Iterable[AnyBone]) -> bpy.types.Object:
     """An armature whose bones rest where they say; parents come before their children."""
     data = bpy.data.armatures.new(name)
     rig = bpy.data.objects.new(name, data)

@@ -10,9 +10,9 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.catalogue import colours, kind
 
+from ..colour import Colour
 from . import mesh
 from .materials import lakeside, outdoors
-from .materials.base import Colour
 
 LENGTH_M = 2.7
 STRAKES, STATIONS = 7, 26

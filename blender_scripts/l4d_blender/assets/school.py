@@ -12,8 +12,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
 from l4d_blender.assets.materials.base import Nodes, principled
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 
 @kind("desk", (0.7, 0.5, 0.74), "surface", front="-y", colour=colours("frame"))
@@ -56,7 +55,7 @@ def blackboard(
     for z in (-0.05, height_m):
         rail = mesh.bevel_box(f"{name}_rail", (width_m + 0.1, 0.04, 0.05), 0.006, 1)
         parts.append(mesh.set_material(mesh.move(rail, y=-0.02, z=z), wood))
-    for x in (-1, 1):
+    for x in (-1.0, 1.0):
         rail = mesh.bevel_box(f"{name}_rail", (0.05, 0.04, height_m), 0.006, 1)
         parts.append(mesh.set_material(mesh.move(rail, x=x * (width_m + 0.05) / 2, y=-0.02), wood))
     ledge = mesh.move(mesh.bevel_box(f"{name}_ledge", (width_m, 0.09, 0.02), 0.004, 1), y=-0.055, z=-0.06)

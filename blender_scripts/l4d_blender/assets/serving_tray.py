@@ -12,8 +12,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 FLOOR_M = 0.007
 RIM_M = 0.016

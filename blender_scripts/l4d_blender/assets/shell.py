@@ -137,7 +137,7 @@ def tube(
 
 def grid_faces(rows: int, columns: int, wrap: bool = False) -> list[tuple[int, ...]]:
     """Quads of a grid of vertices, row after row; they face outwards if columns turn left as rows rise."""
-    faces = []
+    faces: list[tuple[int, ...]] = []
     for row in range(rows - 1):
         for column in range(columns if wrap else columns - 1):
             right = (column + 1) % columns

@@ -13,12 +13,11 @@ import bpy
 
 from l4d_blender.catalogue import kind
 
+from ..colour import Colour
 from . import mesh
 from .lettering import lettering
 from .materials import outdoors, products, street
 from .materials.base import Nodes, principled
-
-Colour = tuple[float, float, float]
 
 SHOP_M = 3.35  # height of the ground floor
 DEPTH_M = 3.2
@@ -44,7 +43,9 @@ def shopfront(name: str, rng: random.Random, *, look: ShopLook = ShopLook()) -> 
     """The whole house as one object."""
     wide = look.width_m
     wall = (
-        street.brickwork(f"{name}_wall") if look.wall == "brick" else street.render(f"{name}_wall", look.wall)
+        street.brickwork(f"{name}_wall")
+        if isinstance(look.wall, str)
+        else street.render(f"{name}_wall", look.wall)
     )
     joinery = products.lacquer(f"{name}_joinery", look.joinery, rng)
     sill = street.stone(f"{name}_sill", (0.46, 0.44, 0.40))

@@ -14,8 +14,8 @@ from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.catalogue import colours, kind
+from l4d_blender.colour import Colour
 
-Colour = tuple[float, float, float]
 PLATE_M = 0.0065  # what stands on a plate stands this high
 
 

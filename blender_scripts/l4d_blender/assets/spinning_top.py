@@ -17,8 +17,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.toy_robot import printed_tin
 from l4d_blender.catalogue import COLOURS, Choice, kind, words
+from l4d_blender.colour import Colour, rgb
 
-Colour = tuple[float, float, float]
 Profile = Sequence[tuple[float, float]]
 
 RED, CREAM, BLUE, GREEN, YELLOW = (
@@ -31,7 +31,7 @@ RED, CREAM, BLUE, GREEN, YELLOW = (
 BEECH: Colour = (0.58, 0.40, 0.23)
 # Three segments of a colour and a cream one, so that one sees it turn.
 SEGMENTS: dict[str, tuple[Colour, ...]] = {
-    word: (COLOURS[word], tuple(0.62 * c for c in COLOURS[word]), COLOURS[word], CREAM)
+    word: (COLOURS[word], rgb(0.62 * c for c in COLOURS[word]), COLOURS[word], CREAM)
     for word in ("red", "orange", "yellow", "green", "teal", "blue", "purple", "black")
 }
 

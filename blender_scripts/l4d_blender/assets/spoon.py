@@ -16,8 +16,8 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.catalogue import COLOURS, Choice, kind
+from l4d_blender.colour import Colour
 
-Colour = tuple[float, float, float]
 SILVER: Colour = (0.72, 0.70, 0.66)
 
 

@@ -12,12 +12,11 @@ import bpy
 
 from l4d_blender.catalogue import colours, kind
 
+from ..colour import Colour
 from . import mesh, tree
 from .lettering import lettering
 from .materials import street
 from .materials.base import emission, principled
-
-Colour = tuple[float, float, float]
 
 
 @kind("bollard", (0.17, 0.17, 0.92))

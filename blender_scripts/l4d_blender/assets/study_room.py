@@ -14,8 +14,7 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 HALF_WIDTH_M = 2.6
 FRONT_M = 2.4

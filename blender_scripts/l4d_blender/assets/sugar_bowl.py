@@ -14,8 +14,7 @@ from mathutils import Matrix, Vector, noise
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 
 @kind("sugar_bowl", (0.101, 0.101, 0.073), "graspable", "container", colour=colours("glaze"))

@@ -10,17 +10,17 @@ from __future__ import annotations
 import random
 from dataclasses import dataclass
 from math import cos, pi, sin
+from typing import Any
 
 import bpy
 from mathutils import Matrix, Vector
 
 from l4d_blender.catalogue import kind, words
 
+from ..colour import Colour
 from . import mesh
 from .materials import products
 from .materials.base import principled
-
-Colour = tuple[float, float, float]
 
 #: Width, depth and height of the shell.
 SIZES: dict[str, tuple[float, float, float]] = {
@@ -115,10 +115,19 @@ def _outline(w: float, d: float, corner: float, ribs: float, count: int = 132) -
     """A rounded rectangle in the plane, evenly sampled by arc length; ribs press grooves of `ribs` metres."""
     hw, hd = 0.5 * w - corner, 0.5 * d - corner
     lengths = [2 * hd, 0.5 * pi * corner, 2 * hw, 0.5 * pi * corner] * 2
-    starts = [Vector((hw + corner, -hd)), None, Vector((hw, hd + corner)), None]
+    starts: list[Any] = [Vector((hw + corner, -hd)), None, Vector((hw, hd + corner)), None]
     starts += [Vector((-hw - corner, hd)), None, Vector((-hw, -hd - corner)), None]
-    ways = [Vector((0, 1)), None, Vector((-1, 0)), None, Vector((0, -1)), None, Vector((1, 0)), None]
-    centres = [None, (hw, hd, 0.0), None, (-hw, hd, 0.5 * pi), None, (-hw, -hd, pi), None]
+    ways: list[Any] = [
+        Vector((0, 1)),
+        None,
+        Vector((-1, 0)),
+        None,
+        Vector((0, -1)),
+        None,
+        Vector((1, 0)),
+        None,
+    ]
+    centres: list[Any] = [None, (hw, hd, 0.0), None, (-hw, hd, 0.5 * pi), None, (-hw, -hd, pi), None]
     centres.append((hw, -hd, 1.5 * pi))
     total, points = sum(lengths), []
     for k in range(count):

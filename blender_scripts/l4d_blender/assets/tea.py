@@ -16,9 +16,9 @@ from mathutils import Matrix, Vector
 from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.colour import Colour
 from l4d_blender.timeline import FPS, FRAME_COUNT
 
-Colour = tuple[float, float, float]
 GRAVITY = 9.81
 STREAM_M = 0.0064  # half width where it is thinnest
 _HIDDEN = Matrix.Scale(1e-3, 4)

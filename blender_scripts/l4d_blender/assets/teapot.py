@@ -16,8 +16,8 @@ from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.catalogue import colours, kind, words
+from l4d_blender.colour import Colour
 
-Colour = tuple[float, float, float]
 Profile = tuple[tuple[float, float], ...]
 
 # Outer walls as (radius, height) in metres, from the foot to the shoulder where the lid sits.

@@ -12,9 +12,10 @@ from mathutils import Matrix, Vector, noise
 
 from l4d_blender.catalogue import kind, words
 
+from ..colour import Colour, rgb
 from . import mesh
 from .materials import interior
-from .materials.base import Colour, Nodes, principled
+from .materials.base import Nodes, principled
 
 HEIGHT_M = 0.34
 #: Where hands hold a bear of scale 1: under its arms.
@@ -47,7 +48,7 @@ def teddy(
 ) -> bpy.types.Object:
     """A bear; bears built from equal random states are twins."""
     fur = _plush(f"{name}_fur", PLUSH[plush], rng)
-    pad = interior.felt(f"{name}_pad", tuple(min(1.0, 0.12 + 1.5 * c) for c in PLUSH[plush]), rng)
+    pad = interior.felt(f"{name}_pad", rgb(min(1.0, 0.12 + 1.5 * c) for c in PLUSH[plush]), rng)
     black = principled(f"{name}_black", (0.012, 0.010, 0.010), roughness=0.25)
     shift = Vector([rng.uniform(-9, 9) for _ in range(3)])
     parts = [

@@ -14,8 +14,7 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 WHEEL_M = 0.013
 _SIDE_VIEW = (

@@ -9,9 +9,9 @@ from mathutils import Matrix
 
 from l4d_blender.catalogue import colours, kind
 
+from ..colour import Colour
 from . import ball, mesh
 from .materials import interior, products
-from .materials.base import Colour
 
 HEIGHT_M = 0.36
 
@@ -68,7 +68,7 @@ def _contents(name: str, rng: random.Random, sx: float, sy: float) -> list[bpy.t
         turn = Matrix.Rotation(rng.uniform(0.3, 1.2), 4, "X") @ Matrix.Rotation(rng.uniform(0, 3), 4, "Z")
         mesh.transform(toy, Matrix.Translation((x, y, HEIGHT_M - 0.07)) @ turn)
         made.append(toy)
-    for k, colour in enumerate(
+    for k, paint in enumerate(
         ((0.62, 0.09, 0.06), (0.70, 0.46, 0.04), (0.09, 0.24, 0.10), (0.30, 0.08, 0.30))
     ):
         size = rng.uniform(0.07, 0.10)
@@ -78,5 +78,5 @@ def _contents(name: str, rng: random.Random, sx: float, sy: float) -> list[bpy.t
             rng.uniform(-0.6, 0.6), 4, "Y"
         )
         mesh.transform(block, Matrix.Translation(at) @ tilt @ Matrix.Rotation(rng.uniform(0, 1.5), 4, "Z"))
-        made.append(mesh.set_material(block, products.lacquer(f"{name}_block_{k}", colour, rng)))
+        made.append(mesh.set_material(block, products.lacquer(f"{name}_block_{k}", paint, rng)))
     return made

@@ -15,8 +15,7 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 HEIGHT_M = 0.095
 EDGE_Y_M = 0.055

@@ -16,6 +16,7 @@ from mathutils import Vector, noise
 
 from l4d_blender.catalogue import kind
 
+from ..colour import rgb
 from . import mesh
 from .materials import outdoors
 
@@ -138,7 +139,7 @@ def bush(
         balls.append((Vector((x * 0.8, y, z)), radius * rng.uniform(0.8, 1.15)))
     shift = Vector([rng.uniform(-9, 9) for _ in range(3)])
     mass = _mass(f"{name}_mass", balls, 0.84, 0.22, shift, rings=8)
-    mesh.set_material(mass, outdoors.foliage_mass(f"{name}_mass", tuple(0.35 * c for c in tone)))
+    mesh.set_material(mass, outdoors.foliage_mass(f"{name}_mass", rgb(0.35 * c for c in tone)))
     crown = _sprays(f"{name}_leaves", rng, balls, count=sprays, size_m=leaf_m)
     mesh.set_material(crown, outdoors.leaves(f"{name}_leaves", tone))
     return mesh.join(name, [mass, crown])

@@ -16,8 +16,7 @@ from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
 from l4d_blender.catalogue import kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 WALL_HEIGHT_M = 2.7
 DADO_M = 1.12
@@ -39,7 +38,7 @@ def waiting_room(
     length, middle = back_m - front_m, 0.5 * (back_m + front_m)
     floor = mesh.move(mesh.box(f"{name}_floor", (2 * half_width_m, length, 0.02)), y=middle, z=-0.02)
     mesh.set_material(floor, linoleum(f"{name}_linoleum", tiles, rng))
-    zones = {"upper": [], "lower": [], "rail": []}
+    zones: dict[str, list[bpy.types.Object]] = {"upper": [], "lower": [], "rail": []}
     for size_x, size_y, x, y in (
         (2 * half_width_m, 0.1, 0.0, back_m + 0.05),
         (0.1, length, -half_width_m - 0.05, middle),

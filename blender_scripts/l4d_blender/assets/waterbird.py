@@ -19,10 +19,11 @@ from mathutils import Matrix, Quaternion, Vector
 
 from l4d_blender.catalogue import kind, words
 
+from ..colour import Colour, rgb
 from . import implicit, mesh
 from .materials.birds import beak, eye, plumage_surface, scales
 from .rigs import hang, upright_armature
-from .waterbird_species import DUCK, GULL, HEADS, PLUMAGES, Colour, Plumage, Species
+from .waterbird_species import DUCK, GULL, HEADS, PLUMAGES, Plumage, Species
 
 __all__ = ["DUCK", "GULL", "PLUMAGES", "SIDES", "Species", "waterbird", "wing_motion"]
 
@@ -188,7 +189,7 @@ def _neck_weights(species: Species, point: Vector) -> dict[str, float]:
 
 def _mixed(a: Colour, b: Colour, t: float) -> Colour:
     t = min(1.0, max(0.0, t))
-    return tuple(x + (y - x) * t for x, y in zip(a, b, strict=True))
+    return rgb(x + (y - x) * t for x, y in zip(a, b, strict=True))
 
 
 def _trunk_paint(species: Species, coat: Plumage, rng: random.Random) -> Callable[[Vector], Colour]:

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 from mathutils import Vector
 
-Colour = tuple[float, float, float]
+from ..colour import Colour
+
 Point = tuple[float, float, float]
 
 

@@ -17,8 +17,7 @@ from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.catalogue import colours, kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 WIDTH_M, HEIGHT_M, BOTTOM_M = 1.50, 0.95, 0.90
 SURFACE_Y_M = -0.016
@@ -100,7 +99,8 @@ def ink(name: str, points: list[Vector], colour: Colour = BLUE) -> list[bpy.type
 
 def _stroke(name: str, points: list[Vector], width_m: float = INK_M) -> bpy.types.Object:
     """A flat ribbon along points in the plane of the board, with blunt ends."""
-    verts, faces = [], []
+    verts: list[Vector] = []
+    faces: list[tuple[int, ...]] = []
     for a, b in zip(points, points[1:]):
         along = (b - a).normalized() if (b - a).length > 1e-6 else Vector((1.0, 0.0, 0.0))
         side = 0.5 * width_m * Vector((-along.z, 0.0, along.x))

@@ -13,8 +13,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.catalogue import kind
-
-Colour = tuple[float, float, float]
+from l4d_blender.colour import Colour
 
 
 @kind("box", (0.215, 0.157, 0.061), "surface", "container", front="-y")

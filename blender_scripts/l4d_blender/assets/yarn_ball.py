@@ -12,6 +12,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.catalogue import colours, kind
 
+from ..colour import rgb
+
 RED = (0.50, 0.022, 0.030)
 
 
@@ -22,7 +24,7 @@ def yarn_ball(
     """Origin at the bottom; balls built from equal random states are twins to the last strand."""
     strand = 0.0052
     wool = interior.wool(f"{name}_wool", colour, rng)
-    deep = interior.wool(f"{name}_inner", tuple(0.45 * c for c in colour), rng)
+    deep = interior.wool(f"{name}_inner", rgb(0.45 * c for c in colour), rng)
     core = mesh.set_material(mesh.ellipsoid(f"{name}_core", (radius_m - 0.007,) * 3, 28, 18), deep)
     parts = [core]
     for bundle in range(9):

@@ -13,13 +13,10 @@ from math import atan2, cos, degrees, hypot, pi, radians, sin
 from typing import TypeVar
 
 from ..placing import Point, Support
+from .errors import NoRoom
 
 Flat = tuple[float, float]
 Plan = TypeVar("Plan")
-
-
-class NoRoom(Exception):
-    """Nothing of that size fits any more."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +96,8 @@ class Area:
 
     def take(self, start: Flat, radius_m: float, end: Flat | None = None, *, owner: str) -> None:
         """Notes that a disc is there, or moves along a line."""
-        self.taken.append(Taken(tuple(start[:2]), tuple((end or start)[:2]), radius_m, owner))
+        end = end or start
+        self.taken.append(Taken((start[0], start[1]), (end[0], end[1]), radius_m, owner))
 
     def free(self, owner: str) -> None:
         """Forgets what somebody took."""

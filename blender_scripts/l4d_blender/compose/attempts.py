@@ -14,8 +14,9 @@ from pathlib import Path
 from .. import files, plan, tracks, visibility
 from ..scene import Scene
 from . import build, checks
+from .errors import Rejected
 from .spec import Spec, SpecError
-from .stage import Rejected, Stage
+from .stage import Stage
 
 Tell = Callable[[Spec, str], None]
 

@@ -6,10 +6,10 @@ import random
 from dataclasses import replace
 
 from ..scene import RecipeError, Scene
-from .areas import NoRoom
+from .errors import Rejected
 from .places import Place, places
 from .spec import Spec, SpecError
-from .stage import Rejected, Stage
+from .stage import Stage
 from .themes import Theme, themes
 
 _PLANS = 3
@@ -22,6 +22,7 @@ def build(spec: Spec) -> tuple[Scene, Stage]:
     Raises `Rejected` if it does not become a scene, `SpecError` if no draw of this composition ever could.
     """
     spec = pinned(spec)
+    assert spec.place is not None and spec.theme is not None
     place, theme = places()[spec.place], themes()[spec.theme]
     try:
         stage = _furnished(spec, place)
@@ -29,7 +30,7 @@ def build(spec: Spec) -> tuple[Scene, Stage]:
         for performer in stage.performers:
             performer.finish()
         stage.scene.check()
-    except (RecipeError, NoRoom, Rejected) as error:
+    except (RecipeError, Rejected) as error:
         raise Rejected(f"{theme.name} in {place.name}: {error}") from error
     _demands(spec, stage.scene)
     return stage.scene, stage
@@ -43,7 +44,7 @@ def _furnished(spec: Spec, place: Place) -> Stage:
         try:
             place.furnish(stage)
             return stage
-        except (NoRoom, Rejected):
+        except Rejected:
             plan += 1
             if plan == _PLANS:
                 raise
@@ -60,7 +61,7 @@ def _play(stage: Stage, theme: Theme) -> None:
         stage.plan = plan
         try:
             return theme.play(stage)
-        except (NoRoom, Rejected):
+        except Rejected:
             if plan + 1 == _PLANS or not stage.recall(furnished):
                 raise
 

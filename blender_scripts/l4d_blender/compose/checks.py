@@ -12,7 +12,8 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 from .. import tracks, visibility
-from .stage import Rejected, Stage
+from .errors import Rejected
+from .stage import Stage
 
 DEPTH_M = {"tabletop": 0.004, "room": 0.02, "outdoor": 0.03}
 """How deep one thing may be inside another: motion code presses flesh a little into what it grips."""

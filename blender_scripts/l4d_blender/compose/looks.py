@@ -9,6 +9,7 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from .. import catalogue
 
@@ -20,7 +21,7 @@ class Look:
     """One of a kind: the words that the catalogue gets, and the properties that queries may name."""
 
     kind: str
-    words: Words
+    words: Mapping[str, Any]
     attributes: Words
 
 
@@ -45,7 +46,7 @@ def crossed(
     """
     keys = [key for key, words in options.items() if len(words) >= 2]
     rng.shuffle(keys)
-    first, second = (*keys[:2], None)[:2] if len(keys) > 1 else (keys[0], None)
+    first, second = keys[0], keys[1] if len(keys) > 1 else None
     shared = {key: rng.choice(list(words)) for key, words in options.items() if key not in (first, second)}
     a, b = rng.sample(list(options[first]), 2)
     if second is None:

@@ -7,24 +7,21 @@ from collections.abc import Callable
 from math import hypot
 from typing import TypeVar
 
-from .areas import Area, Flat, NoRoom
-from .stage import Prop, Rejected
+from .areas import Area, Flat
+from .errors import NoRoom, Rejected
+from .stage import Prop
 
 T = TypeVar("T")
 
 
-class Unfit(Exception):
-    """This try of a plan has no room for something."""
-
-
 def fitting(area: Area, what: str, tries: int, plan: Callable[[], T]) -> T:
-    """The first of `tries` plans that raises no `Unfit`; the room that the others took is free again."""
+    """The first of `tries` plans that raises no `NoRoom`; the room that the others took is free again."""
     reasons: dict[str, int] = {}
     before = list(area.taken)
     for _ in range(tries):
         try:
             return plan()
-        except (Unfit, NoRoom) as error:
+        except NoRoom as error:
             reasons[str(error)] = reasons.get(str(error), 0) + 1
             area.taken = list(before)
     most = max(reasons, key=lambda reason: reasons[reason])

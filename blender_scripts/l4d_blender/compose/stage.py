@@ -18,14 +18,11 @@ from .. import cameras, catalogue
 from ..placing import Point, Support, Thing
 from ..scene import Instance, Scene
 from .areas import Area, Flat, Taken
+from .errors import Rejected
 from .looks import Look
 from .spec import Spec
 
 T = TypeVar("T")
-
-
-class Rejected(Exception):
-    """This draw does not become a scene; the message says why in a few words."""
 
 
 class Performer(Protocol):

@@ -187,8 +187,8 @@ def _goal(
         return still
     if wish.space == "world":
         back = world[:3, :3].T
-        return back @ (wish.wrist[f] - world[:3, 3]), back @ wish.rotation[f]
-    return wish.wrist[f] + bob, wish.rotation[f]
+        return back @ (wish.wrist[f] - world[:3, 3]), back @ wish.rotation_at(f)
+    return wish.wrist[f] + bob, wish.rotation_at(f)
 
 
 def _default_pole(puppet, stance: Stance, s: float) -> np.ndarray:

@@ -67,7 +67,7 @@ class CatFriend(Person):
         rub[:, 2] += 0.006 * (1.0 - np.cos(beat))
         knee = self._wishes[side][0]
         self._wish(side, (first, first + near), wrist + rub, rotation, "world", arc=0.10)
-        self._wish(side, (last - near, last), knee.wrist[0], knee.rotation[0], "body")
+        self._wish(side, (last - near, last), knee.wrist[0], knee.rotation_at(0), "body")
         self._close(side, first, 0.12)
         self._close(side, last - near, 0.28)
         self.look_at(tuple(crown), (first, last))

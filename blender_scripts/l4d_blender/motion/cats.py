@@ -44,7 +44,7 @@ class Tap:
     rest: int
 
 
-class Cat(Quadruped):
+class Cat(Quadruped[CatPose]):
     """One cat of a scene."""
 
     STEP_STARTS = (0.0, 0.18, 0.36, 0.54)
@@ -215,7 +215,7 @@ class _Track:
         return math.atan2(ahead.x, -ahead.y)
 
 
-class _Walk(Gait):
+class _Walk(Gait[CatPose]):
     """Foot plants of a lateral-sequence walk."""
 
     STRIDE_M = 0.36

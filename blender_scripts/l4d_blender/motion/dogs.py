@@ -21,7 +21,7 @@ from .dog_poses import NOSE_TIP, POSTURES, DogPose, solve, standing, trunk
 from .quadrupeds import PAWS, Frames, Gait, Quadruped
 
 
-class Dog(Quadruped):
+class Dog(Quadruped[DogPose]):
     """One dog of a scene."""
 
     STEP_STARTS = (0.0, 0.15, 0.30, 0.45)
@@ -198,7 +198,7 @@ class _Track:
         return float(np.interp(s, self._samples, self._headings))
 
 
-class _Trot(Gait):
+class _Trot(Gait[DogPose]):
     """Foot plants of a running trot."""
 
     STRIDE_M = 0.80

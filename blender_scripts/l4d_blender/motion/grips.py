@@ -8,6 +8,7 @@ space. Knows shapes and distances; knows no time.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import bpy
 import numpy as np
@@ -19,7 +20,7 @@ from ..assets.anatomy import FINGERS, vec
 from ..assets.hand import DIGITS, JOINTS, RADII, thumb_up
 from .ik import turn_about, turn_y, turn_z
 
-Pose = np.ndarray
+Pose: TypeAlias = np.ndarray
 TOUCH_M = 0.0003
 
 
@@ -136,7 +137,8 @@ class Solid:
     """The surface of something at one frame, to measure distances from."""
 
     def __init__(self, objects: Sequence[bpy.types.Object], frame: float) -> None:
-        verts, polygons = [], []
+        verts: list[Vector] = []
+        polygons: list[tuple[int, ...]] = []
         for obj in objects:
             matrix, count = keys.object_matrix(obj, frame), len(verts)
             verts += [matrix @ v.co for v in obj.data.vertices]

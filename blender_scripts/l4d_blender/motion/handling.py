@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import radians
+from typing import Any
 
 import bpy
 import numpy as np
@@ -49,7 +50,7 @@ class Guided:
 class Handler(Person):
     """A person who handles things. A thing's path is a 4x4 matrix per canonical frame."""
 
-    def __init__(self, *args: object, **options: object) -> None:
+    def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
         self._guided: list[Guided] = []
 

@@ -37,6 +37,11 @@ class Wish:
     space: str
     pole: np.ndarray | None = None
 
+    def rotation_at(self, frame: int) -> np.ndarray:
+        """Of the hand, if it is to be turned at all."""
+        assert self.rotation is not None
+        return self.rotation[frame]
+
 
 @dataclass
 class Held:
@@ -170,8 +175,8 @@ class PersonPlan:
     def _wish_rotation_at(self, side: str, frame: int) -> np.ndarray:
         wish = [w for w in self._wishes[side] if w.space == "world" and w.weight[frame] > 0.99][-1:]
         if wish:
-            return wish[0].rotation[frame]
-        return turn_z(float(self._heading[frame])) @ self._wishes[side][-1].rotation[frame]
+            return wish[0].rotation_at(frame)
+        return turn_z(float(self._heading[frame])) @ self._wishes[side][-1].rotation_at(frame)
 
     def _track(self, target: Instance | Sequence[float]) -> np.ndarray:
         if isinstance(target, Instance):

@@ -242,6 +242,7 @@ class Puppet:
 
     def _pose_skirt(self, bones: Bones) -> None:
         """Skirt bones hang down and swing out just as far as the legs push them."""
+        assert self.skirt is not None
         at, pelvis = bones["pelvis"]
         k = self.anatomy.scale
         upright = between(pelvis, turn_z(float(np.arctan2(pelvis[1, 0], pelvis[0, 0]))), 0.75)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol, Self
+from typing import ClassVar, Generic, Protocol, Self, TypeVar
 
 import bpy
 import numpy as np
@@ -70,6 +70,9 @@ class Pose:
         return self
 
 
+AnyPose = TypeVar("AnyPose", bound=Pose)
+
+
 def mirrored(fore: Sequence[float], hind: Sequence[float]) -> dict[str, Sequence[float]]:
     """Four paws from the left ones."""
 
@@ -118,18 +121,18 @@ class Track(Protocol):
         """The heading there."""
 
 
-class Gait:
+class Gait(Generic[AnyPose]):
     """Foot plants along a track; `u` is 0..1 over its time. Subclasses say how the body goes with them."""
 
     STRIDE_M: float
     SWING: float  # share of a stride that a paw is in the air
-    PHASE: Mapping[str, float]
+    PHASE: ClassVar[Mapping[str, float]]
     SOFT: float  # share of the time in which it gets up to speed
-    STANCE: Mapping[str, tuple[float, float]]  # x, y of a left paw that stands
+    STANCE: ClassVar[Mapping[str, tuple[float, float]]]  # x, y of a left paw that stands
     REACH_AHEAD_M: float  # of the last step
     MAX_HZ: float
 
-    def __init__(self, track: Track, start: Pose, seconds: float) -> None:
+    def __init__(self, track: Track, start: AnyPose, seconds: float) -> None:
         self._track = track
         self._beats = max(1, round(track.length / self.STRIDE_M)) + self.SWING
         if self._beats / seconds > self.MAX_HZ:
@@ -178,12 +181,12 @@ class Gait:
         """The same heading without a jump by a full turn."""
         return heading
 
-    def pose(self, u: float, rest: Pose) -> Pose:
+    def pose(self, u: float, rest: AnyPose) -> AnyPose:
         """The pose at a share of the time; `rest` is the animal standing."""
         raise NotImplementedError
 
 
-class Quadruped:
+class Quadruped(Generic[AnyPose]):
     """One animal of a scene. Actions take inclusive canonical frames and are called in the order of time."""
 
     STEP_STARTS: tuple[float, float, float, float]  # of paws in STEP_ORDER, when it changes its posture
@@ -200,7 +203,7 @@ class Quadruped:
         category: str,
         body: bpy.types.Object,
         attributes: Mapping[str, str] | None,
-        start: Pose,
+        start: AnyPose,
     ) -> None:
         self.scene, self.rig = scene, body.parent
         self._rng = scene.rng(f"{name}/motion")
@@ -239,17 +242,17 @@ class Quadruped:
         bones = [{name: motions[name] @ rest[name] for name in rest} for motions in moved]
         keys.key_bones(self.rig, bones, space="armature")
 
-    def _posture(self, posture: str, root: np.ndarray) -> Pose:
+    def _posture(self, posture: str, root: np.ndarray) -> AnyPose:
         raise NotImplementedError
 
     def _joint(self, name: str) -> Vector:
         raise NotImplementedError
 
-    def _body(self, pose: Pose) -> dict[str, Matrix]:
+    def _body(self, pose: AnyPose) -> dict[str, Matrix]:
         """Motions of trunk, neck and head from rest, in the rig's space."""
         raise NotImplementedError
 
-    def _solve(self, pose: Pose) -> dict[str, Matrix]:
+    def _solve(self, pose: AnyPose) -> dict[str, Matrix]:
         """Motions of all bones from rest, in the rig's space."""
         raise NotImplementedError
 
@@ -279,7 +282,7 @@ class Quadruped:
             self.poses[frame] = pose
         self._hold(last)
 
-    def _go(self, gait: Gait, rest: Pose, frames: Frames) -> None:
+    def _go(self, gait: Gait[AnyPose], rest: AnyPose, frames: Frames) -> None:
         """Follows a gait from the pose that it is in."""
         first, last = frames
         start = self.poses[first].copy()
@@ -290,7 +293,7 @@ class Quadruped:
             self.poses[frame] = pose
         self._hold(last)
 
-    def _aim(self, pose: Pose, target: Vector) -> np.ndarray:
+    def _aim(self, pose: AnyPose, target: Vector) -> np.ndarray:
         """Head pitch, yaw, roll that point the nose at a world point, within what a neck can do."""
         most_yaw, least_pitch, most_pitch, roll = self.GAZE
         eyes = self._body(pose)["head"] @ self._joint("skull")

@@ -7,6 +7,7 @@ rolls). Knows no shapes.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import atan2, exp, pi, radians, sin
 
@@ -84,7 +85,7 @@ def key_roll(thing: Round, moved: list[Matrix], first: int) -> None:
     keys.key_matrices(obj, [before[f] if f < first else moved[f] for f in range(FRAME_COUNT)])
 
 
-def roll(thing: Round, way: list[Point], frames: Frames, *, free: int) -> None:
+def roll(thing: Round, way: Sequence[Point], frames: Frames, *, free: int) -> None:
     """Lets something roll by itself along points of the ground, from where it lies to rest at the last."""
     first, last = frames
     start = thing.instance.matrix(first)
@@ -131,7 +132,7 @@ class Roller(Server):
         before[:3, 3] += 0.05 * away
         return before, place, opened, pose, away
 
-    def send_rolling(self, thing: Round, way: list[Point], frames: Frames, *, let_go: int) -> None:
+    def send_rolling(self, thing: Round, way: Sequence[Point], frames: Frames, *, let_go: int) -> None:
         """Pushes what it touches until `let_go`; the thing rolls on by itself and rests at the last frame."""
         held = self._require("push")
         first, last = frames

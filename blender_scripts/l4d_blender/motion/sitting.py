@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import degrees, radians
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ UP = vec(0.0, 0.0, 1.0)
 class Sitter(Person):
     """A Person that may be seated from the start and holds things rigidly."""
 
-    def __init__(self, *args: object, **more: object) -> None:
+    def __init__(self, *args: Any, **more: Any) -> None:
         super().__init__(*args, **more)
         self._rigid: list[Rigid] = []
 

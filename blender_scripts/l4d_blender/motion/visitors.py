@@ -22,6 +22,7 @@ class Visitor(Person):
         """Sets a held thing down; it has moved since it was taken."""
         held = next(held for held in self._held if held.instance is thing and held.last is None)
         super().put_down(thing, at, frames)
+        assert held.last is not None
         self.scene.event(thing, "move", (held.first, held.last))
 
     def fetch(

@@ -6,12 +6,14 @@ Knows how nodes connect; refuses to know what wood, skin or grass look like (the
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import bpy
 
-Colour = Sequence[float]
-Socket = bpy.types.NodeSocket
-Value = Socket | float | Sequence[float]
+from ...colour import Colour
+
+Socket: TypeAlias = bpy.types.NodeSocket
+Value: TypeAlias = Socket | float | Sequence[float]
 
 
 def principled(
@@ -225,7 +227,11 @@ class Nodes:
         return node.outputs["Color"], node.outputs["Fac"]
 
     def ramp(
-        self, factor: Value, stops: Sequence[tuple[float, Colour | float]], *, interpolation: str = "LINEAR"
+        self,
+        factor: Value,
+        stops: Sequence[tuple[float, Sequence[float] | float]],
+        *,
+        interpolation: str = "LINEAR",
     ) -> Socket:
         """A colour (or grey) that depends on a factor: stops are (position 0..1, colour)."""
         node = self.node("ShaderNodeValToRGB")
@@ -237,8 +243,10 @@ class Nodes:
             ramp.elements.remove(ramp.elements[-1])
         for element, (position, colour) in zip(ramp.elements, sorted(stops, key=lambda stop: stop[0])):
             element.position = position
-            grey = isinstance(colour, (int, float))
-            element.color = (colour, colour, colour, 1.0) if grey else (*tuple(colour)[:3], 1.0)
+            if isinstance(colour, (int, float)):
+                element.color = (colour, colour, colour, 1.0)
+            else:
+                element.color = (*tuple(colour)[:3], 1.0)
         self.feed(node.inputs["Fac"], factor)
         return node.outputs["Color"]
 

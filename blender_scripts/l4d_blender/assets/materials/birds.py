@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import bpy
 
-from .base import Colour, Nodes, principled
+from ...colour import Colour, rgb
+from .base import Nodes, principled
 
 
 def _painted(name: str, roughness: float) -> tuple[bpy.types.Material, Nodes]:
@@ -55,5 +56,5 @@ def scales(name: str) -> bpy.types.Material:
 
 def eye(name: str, iris: Colour) -> bpy.types.Material:
     """A wet bead; the iris is too small to be drawn."""
-    dark = tuple(0.5 * c for c in iris)
+    dark = rgb(0.5 * c for c in iris)
     return principled(name, dark, roughness=0.08, specular=0.8)

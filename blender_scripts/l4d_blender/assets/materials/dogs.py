@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import bpy
 
-from .base import Colour, Nodes, principled
+from ...colour import Colour, rgb
+from .base import Nodes, principled
 
 COLLARS: dict[str, Colour] = {
     "red": (0.48, 0.020, 0.018),
@@ -41,7 +42,7 @@ def fur(name: str) -> bpy.types.Material:
 
 def eye(name: str, iris: Colour) -> bpy.types.Material:
     """A dark, wet eye."""
-    return principled(name, tuple(0.5 * c for c in iris), roughness=0.06, specular=0.9)
+    return principled(name, rgb(0.5 * c for c in iris), roughness=0.06, specular=0.9)
 
 
 def tongue(name: str) -> bpy.types.Material:

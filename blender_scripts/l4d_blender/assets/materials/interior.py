@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from l4d_blender.assets.materials.base import Colour, Nodes, emission, principled
+from l4d_blender.assets.materials.base import Nodes, emission, principled
+from l4d_blender.colour import Colour
 
 if TYPE_CHECKING:
     from l4d_blender.assets.cat import Coat

@@ -9,8 +9,9 @@ import random
 
 import bpy
 
-from l4d_blender.assets.materials.base import Colour, Nodes, principled
+from l4d_blender.assets.materials.base import Nodes, principled
 from l4d_blender.assets.materials.products import scaled
+from l4d_blender.colour import Colour
 
 
 def _start(name: str, colour: Colour) -> tuple[bpy.types.Material, Nodes]:

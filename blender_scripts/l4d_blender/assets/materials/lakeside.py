@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import bpy
 
-from .base import Colour, Nodes, principled
+from ...colour import Colour
+from .base import Nodes, principled
 
 
 def lake_water(name: str) -> bpy.types.Material:

@@ -10,7 +10,8 @@ import random
 
 import bpy
 
-from .base import Colour, Nodes, Socket, principled
+from ...colour import Colour, rgb
+from .base import Nodes, Socket, principled
 
 #: Enamel paints for buckets and carts, linear RGB.
 PAINTS: dict[str, Colour] = {
@@ -97,7 +98,7 @@ def _distant(n: Nodes, colour: Socket, *, half_at_m: float) -> None:
 
 
 def _scaled(colour: Colour, factor: float) -> Colour:
-    return tuple(min(1.0, factor * c) for c in colour)
+    return rgb(min(1.0, factor * c) for c in colour)
 
 
 # --- ground -----------------------------------------------------------------------------------------------

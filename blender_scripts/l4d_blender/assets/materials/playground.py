@@ -10,7 +10,8 @@ import random
 
 import bpy
 
-from .base import Colour, Nodes
+from ...colour import Colour
+from .base import Nodes
 from .products import scaled
 
 #: Paints of outdoor toys, linear RGB.

@@ -11,14 +11,13 @@ from math import pi
 
 import bpy
 
+from ...colour import Colour, rgb
 from .base import Nodes, Socket, emission, principled
-
-Colour = tuple[float, float, float]
 
 
 def scaled(colour: Colour, factor: float) -> Colour:
     """The colour darkened or lightened, within 0..1."""
-    return tuple(min(max(c * factor, 0.0), 1.0) for c in colour)
+    return rgb(min(max(c * factor, 0.0), 1.0) for c in colour)
 
 
 def glaze(name: str, colour: Colour, rng: random.Random, *, speckle: float = 0.0) -> bpy.types.Material:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import bpy
 
-from .base import Colour, Nodes
+from ...colour import Colour
+from .base import Nodes
 
 PATTERNS = ("plain", "stripes", "checks", "dots", "denim")
 

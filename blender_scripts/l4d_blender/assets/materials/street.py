@@ -10,7 +10,8 @@ import random
 
 import bpy
 
-from .base import Colour, Nodes, Socket, principled
+from ...colour import Colour
+from .base import Nodes, Socket, principled
 from .products import scaled
 
 

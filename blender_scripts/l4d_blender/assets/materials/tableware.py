@@ -10,10 +10,9 @@ import random
 
 import bpy
 
+from ...colour import Colour
 from .base import Nodes, Socket
 from .products import scaled
-
-Colour = tuple[float, float, float]
 
 
 def gingham(

@@ -12,8 +12,9 @@ from math import hypot
 from typing import TYPE_CHECKING, TypeVar
 
 from ..areas import Area, Flat
+from ..errors import NoRoom
 from ..looks import Look
-from ..planning import Unfit, fitting, middles_near
+from ..planning import fitting, middles_near
 from ..sight import Bulk, hidden
 from . import ways
 from .ways import Body, Way
@@ -91,7 +92,7 @@ class Plan:
 
     def moments(self, floor_m: float) -> list[list[Bulk]]:
         """All of them at some times."""
-        things = [*self.parts, *self.toys]
+        things: list[Part | Toy] = [*self.parts, *self.toys]
         return [[thing.bulk(frame, floor_m) for thing in things] for frame in range(0, 97, 24)]
 
     def points(self) -> list[Flat]:
@@ -170,7 +171,7 @@ class Planner:
             )
             if way is not None and self.inside(way.end):
                 return way
-        raise Unfit("a walk")
+        raise NoRoom("a walk")
 
     def way_to(self, at: Flat, heading_deg: float, length_m: tuple[float, float], toy: Toy) -> Way:
         """A way that ends at a place with a toy before it; the toy itself is not in the way."""
@@ -193,7 +194,7 @@ class Planner:
             )
             if way is not None:
                 return way
-        raise Unfit("a way to the ball")
+        raise NoRoom("a way to the ball")
 
     def roll(
         self, toy: Toy, start: Flat, heading_deg: float, astray_deg: float, far_m: tuple[float, float]
@@ -206,7 +207,7 @@ class Planner:
             if self.inside(goal) and self.area.is_free(start, toy.radius_m + 0.03, goal, ignoring=ignoring):
                 self.area.take(start, toy.radius_m + 0.03, goal, owner=self.name(toy))
                 return goal
-        raise Unfit("a way for the ball")
+        raise NoRoom("a way for the ball")
 
     def lay_rest(self, room_m: float) -> None:
         """Lays the toys that have no place yet."""
@@ -217,7 +218,7 @@ class Planner:
                 self.area.take(toy.at, room, owner=self.name(toy))
 
 
-P = TypeVar("P", bound=Planner)
+AnyPlan = TypeVar("AnyPlan", bound=Plan)
 
 
 def planned(
@@ -226,12 +227,12 @@ def planned(
     rng: random.Random,
     what: str,
     near_m: float,
-    make: Callable[[Flat], Plan],
+    make: Callable[[Flat], AnyPlan],
     *,
     height_m: float = 0.15,
     margin_m: float = 0.4,
     least_rise: float = 0.5,
-) -> Plan:
+) -> AnyPlan:
     """The first plan that fits and of which cameras will see everything; the cameras come nearer for it.
 
     `make` plans round a middle; several are tried, those near landmarks first.
@@ -242,13 +243,13 @@ def planned(
     ]
     middles = middles_near(area, rng, stage.landmarks, 0.5, near_m)
 
-    def plan() -> Plan:
+    def plan() -> AnyPlan:
         made = make(rng.choice(middles))
         rig = stage.closer(
             made.points(), height_m=floor_m + height_m, margin_m=margin_m, least_rise=least_rise
         )
         if hidden(rig, made.moments(floor_m), marks):
-            raise Unfit("a view of all")
+            raise NoRoom("a view of all")
         stage.film(rig)
         return made
 

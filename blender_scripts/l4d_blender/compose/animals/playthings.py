@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from typing import Any
 
 from ... import catalogue
 from ...motion.ball_games import Ball
@@ -49,12 +50,19 @@ def rolls(toy: Toy) -> bool:
     return toy.look.words.get("kind") != "mouse"
 
 
+def put_ball(stage: Stage, area: Area, toy: Toy, k: int) -> Ball:
+    """As `put`, for a toy that rolls."""
+    ball = put(stage, area, toy, k)
+    assert ball is not None
+    return ball
+
+
 def put(stage: Stage, area: Area, toy: Toy, k: int) -> Ball | None:
     """Makes a toy of the plan and registers it; what rolls comes back as a ball to play with."""
     assert toy.at is not None
     category = "ball" if toy.look.kind == "ball" else "toy"
     name, rng = f"{category}_{k + 1}", stage.rng(f"toy/{k}")
-    words = {key: word for key, word in toy.look.words.items() if key not in ("kind", "size")}
+    words: dict[str, Any] = {key: word for key, word in toy.look.words.items() if key not in ("kind", "size")}
     heading = rng.uniform(-180.0, 180.0)
     if rolls(toy):
         kind, size = toy.look.kind, {"radius_m": toy.radius_m}

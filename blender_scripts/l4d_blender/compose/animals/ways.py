@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, radians, remainder, sin
 
-from ..areas import Area, Flat, NoRoom, heading_to
+from ..areas import Area, Flat, heading_to
+from ..errors import NoRoom
 
 _SAMPLES = 24
 

@@ -1,7 +1,7 @@
 """One arrangement from its seed: a place is drawn and furnished, filled, and seen by cameras near and far.
 
-What stands in it is laid out anew several times, since building it takes longer than drawing it. Writes nothing
-and renders nothing.
+What stands in it is laid out anew several times, since building it takes longer than drawing it. Writes
+nothing and renders nothing.
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ import bpy
 from ... import cameras
 from ...placing import Thing
 from ...scene import RecipeError, Scene
-from ..areas import Area, Flat, NoRoom
+from ..areas import Area, Flat
+from ..errors import NoRoom, Rejected
 from ..looks import Look
 from ..places import Place, shipped_places
 from ..spec import Spec
-from ..stage import Rejected, Stage
+from ..stage import Stage
 from . import animals, stock
 from .casting import people
 
@@ -61,7 +62,9 @@ class Arrangement:
         for item in self.movable:
             at = _spot(self.rng, item.area, item.radius_m)
             if at is None:
-                at = self.rng.choice(item.area.corners)  # behind everything: at the edge, in whatever is there
+                at = self.rng.choice(
+                    item.area.corners
+                )  # behind everything: at the edge, in whatever is there
             self.stage.scene.place(item.thing, at, self.rng.uniform(-180, 180), on=item.area.on)
             item.area.take(at, item.radius_m, owner=item.owner)
             self.points.append(at)

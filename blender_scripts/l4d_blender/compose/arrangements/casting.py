@@ -87,19 +87,10 @@ def _holding(
         look.kind, held, at[:2], turned_deg, rng=stage.rng(f"held/{held}"), on=at[2], **look.words
     )
     prop = stage.register(
-        look.kind,
-        held,
-        thing,
-        at=at[:2],
-        heading_deg=turned_deg,
-        area=None,
-        look=look,
-        category=ware.noun,
+        look.kind, held, thing, at=at[:2], heading_deg=turned_deg, area=None, look=look, category=ware.noun
     )
     actor = hire(stage, figure, name, at[:2], heading_deg, at[2])
-    grip = ware.grip_of(look)
-    if ware.two_hands:  # the left hand's comes first
-        grip = tuple(sorted(grip, key=lambda point: -point[0]))
+    grip = ware.hold_of(look)
     actor.hold(
         prop.instance, grip, side=rng.choice("lr"), bar=ware.bar, carry=ware.carry, clear_m=ware.clear_m
     )

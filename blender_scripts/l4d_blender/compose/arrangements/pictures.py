@@ -16,7 +16,8 @@ import numpy as np
 from ... import exr, files
 from ...cameras import OPENCV_FROM_BLENDER, Camera
 from ...passes import Renderer
-from ..stage import Rejected, Stage
+from ..errors import Rejected
+from ..stage import Stage
 from . import arrange
 from .casting import MOMENTS
 
@@ -125,5 +126,7 @@ def _hide_ids_of_what_has_no_identity(stage: Stage) -> None:
 
 def _digest(depth_m: np.ndarray, ids: np.ndarray) -> str:
     """Of what is the same in every process; colour is not, in its last bits."""
-    data = np.ascontiguousarray(depth_m, np.float32).tobytes() + np.ascontiguousarray(ids, np.uint32).tobytes()
+    data = (
+        np.ascontiguousarray(depth_m, np.float32).tobytes() + np.ascontiguousarray(ids, np.uint32).tobytes()
+    )
     return hashlib.sha256(data).hexdigest()

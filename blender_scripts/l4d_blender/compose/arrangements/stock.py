@@ -22,14 +22,14 @@ from ..themes import themes
 
 _LEFT_OUT = frozenset(
     """
-    pot.soup notebook.word hand sitter person fence picket_fence dock tree tree.bush house barn bus swing slide
-    tent well market_stall shopfront terminal high_table kitchen_units.base_run kitchen_units.island
+    pot.soup notebook.word hand sitter person fence picket_fence dock tree tree.bush house barn bus swing
+    slide tent well market_stall shopfront terminal high_table kitchen_units.base_run kitchen_units.island
     ground.straw_litter lake.lily_pads reeds street_furniture.lamp_post street_furniture.sign_post park_lamp
     farm_tools.ladder gym_equipment.barbell_stand dining_table.tablecloth dining_table.runner chair_row
     crayons.loose_crayons workshop_clutter.loose_parts computer_mouse.cable
     """.split()
 )
-"""Parts of other things, what is too large to stand among others, and what people and hands draw themselves."""
+"""Parts of other things, what is too large to stand among others, what people and hands draw themselves."""
 
 _BALL_RADII_M = (0.035, 0.05, 0.09, 0.12, 0.15)
 _ROOM_M = {"waterbird": 0.35, "cat": 0.45, "dog": 0.45, "hen": 0.45}

@@ -15,8 +15,9 @@ from typing import TypeVar
 from ...assets.hand import FOREARM_M, UPPER_ARM_M, HandLook
 from ...assets.person import CLOTH_COLOURS, SKIN_TONES, Cloth
 from ...motion.hands import Hand, wrist_bend
-from ..areas import Area, Flat, NoRoom
-from ..stage import Rejected, Seat, Stage
+from ..areas import Area, Flat
+from ..errors import NoRoom, Rejected
+from ..stage import Seat, Stage
 from . import bodies
 
 AnyHand = TypeVar("AnyHand", bound=Hand)
@@ -269,7 +270,8 @@ def reaches(stage: Stage, rng: random.Random, table: Area | None = None) -> list
         found += [Reach(seat, side, look, owner) for side in ("l", "r")]
     if not found:
         raise Rejected("no one sits at the table")
-    for arm in found if table else ():
-        table.free(arm.name)
+    if table is not None:
+        for arm in found:
+            table.free(arm.name)
     rng.shuffle(found)
     return found

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass, field
+from typing import Any
 
 from mathutils import Vector
 
 from ...motion.coasting import CoastingHand
 from ...motion.rolling import Round
 from ...scene import Instance
-from ..areas import Area, Flat, NoRoom, heading_to
+from ..areas import Area, Flat, heading_to
+from ..errors import NoRoom
 from ..looks import Look
 from ..stage import Stage
 from .arms import Reach
@@ -39,7 +41,7 @@ class Item:
         self.at, self.placed = at, True
         table.take(at, self.radius_m, owner=self.name)
 
-    def build(self, stage: Stage, rng: random.Random, table: Area, **words: object) -> Instance:
+    def build(self, stage: Stage, rng: random.Random, table: Area, **words: Any) -> Instance:
         """Puts it where it was planned."""
         heading = rng.uniform(-180.0, 180.0) if self.heading_deg is None else self.heading_deg
         prop = stage.member(self.look, self.name, self.at, heading, area=table, radius_m=0.0, **words)

@@ -20,17 +20,18 @@ from ... import keys
 from ...assets import apple
 from ...motion.rolling import Round
 from ...motion.table_hands import TableHand
+from ...timeline import LAST_FRAME
 from .. import sight
-from ..areas import Area, Flat, NoRoom
+from ..areas import Area, Flat
+from ..errors import NoRoom, Rejected
 from ..looks import Look
-from ..stage import Prop, Rejected
+from ..stage import Prop
 from .arms import Reach, reaches
 from .graspables import Graspable
 
 if TYPE_CHECKING:
     from ..stage import Stage
 
-LAST = 96
 LOW_M = 0.035
 """What is lower is no hindrance to an arm."""
 FLAT_M = 0.01
@@ -149,7 +150,7 @@ def draw(
             possible = {
                 act: weight
                 for act, weight in weights.items()
-                if can(item.of, act) and clock + _REACH[1] + SPANS[act][0] + _RELEASE <= LAST
+                if can(item.of, act) and clock + _REACH[1] + SPANS[act][0] + _RELEASE <= LAST_FRAME
             }
             if again in possible and (not plan.tasks or rng.random() < 0.55):
                 possible = {again: 1.0}
@@ -157,7 +158,7 @@ def draw(
                 break
             act = rng.choices(list(possible), list(possible.values()))[0]
             grips = clock + rng.randint(*_REACH)
-            lets_go = min(grips + rng.randint(*SPANS[act]), LAST - _RELEASE)
+            lets_go = min(grips + rng.randint(*SPANS[act]), LAST_FRAME - _RELEASE)
             plan.tasks.append(Task(arm, act, free.pop(0), clock, grips, lets_go))
             again = None if act == again and len(plan.tasks) > 1 else act
             clock = lets_go + _RELEASE + _BACK[1] + rng.randint(1, 4)
@@ -283,6 +284,7 @@ def _find(
     else:
         stops = [item.at] if task.to is None else [item.at, task.to]
         if task.act == "roll":
+            assert task.to is not None
             stops = [item.at, _between(item.at, task.to, 0.45)]
         arm.take(table, *before, *stops)
         for stop in [item.at] if task.act == "roll" else stops:
@@ -513,7 +515,7 @@ def _act(rng: random.Random, hand: TableHand, table: Area, task: Task) -> None:
     first, grips, lets_go = task.start, task.grips, task.lets_go
     if task.act == "point":
         hand.point_at(thing, (first, lets_go), height_m=rng.uniform(0.07, 0.11))
-        hand.withdraw((lets_go, min(lets_go + _BACK[1], LAST)))
+        hand.withdraw((lets_go, min(lets_go + _BACK[1], LAST_FRAME)))
         return
     at = thing.matrix(first).translation
     point = (at.x, at.y, at.z + of.aim_m) if of.aim_m else None
@@ -570,6 +572,6 @@ def _roll(rng: random.Random, hand: TableHand, table: Area, task: Task) -> None:
 
 
 def _go_back(rng: random.Random, hand: TableHand, first: int) -> None:
-    last = min(first + rng.randint(*_BACK), LAST)
+    last = min(first + rng.randint(*_BACK), LAST_FRAME)
     if last - first >= 9:
         hand.withdraw((first, last))

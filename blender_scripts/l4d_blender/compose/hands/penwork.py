@@ -18,7 +18,9 @@ from ...assets import marker_pen, notebook
 from ...motion import writing
 from ...motion.table_hands import TableHand
 from ...motion.writing import PenHand
-from ..areas import Area, Flat, NoRoom, heading_to
+from ...timeline import LAST_FRAME
+from ..areas import Area, Flat, heading_to
+from ..errors import NoRoom
 from ..looks import Look
 from ..stage import Stage
 from .arms import Reach
@@ -35,7 +37,6 @@ _PAPER_M = 0.5 * notebook.PAGE_M[0] + 0.008, 0.5 * notebook.PAGE_M[1] + 0.012
 _GAP_M = 0.005  # between words
 _NEAR_M = 0.32
 _HAND_M = 0.055
-_LAST = 96
 
 
 @dataclass
@@ -245,7 +246,7 @@ class Writing:
             pen, (took - 15, took), grip="pinch", heading_deg=arm.heading_deg(self.pen.at), point=grip
         )
         first = took + 14
-        last = min(first + rng.randint(32, 40), _LAST - 15)
+        last = min(first + rng.randint(32, 40), LAST_FRAME - 15)
         page = book.matrix(0)
         start, end = (page @ Vector((x, y, notebook.page_z(x) + 0.0004)) for x, y in self.book.line)
         shares = hand.write(
@@ -260,7 +261,7 @@ class Writing:
         written = [sum(self.book.words_m[: k + 1]) + _GAP_M * k for k in range(len(self.book.words_m))]
         writing.appear(words, [done / length.length for done in written], shares)
         down = last + 14
-        if down + 8 <= _LAST:
+        if down + 8 <= LAST_FRAME:
             hand.release((down, down + 8))
             _go_back(hand, down + 8)
 
@@ -301,7 +302,7 @@ class Rolling:
         hand.approach(pen, (t, t + 16), grip="push", heading_deg=self.heading_deg, point=point)
         last = t + 16 + rng.randint(14, 17)
         way = Vector(self.end) - Vector(self.pen.at)
-        hand.push_rolling(way.length, (t + 16, last), min(last + rng.randint(14, 22), _LAST))
+        hand.push_rolling(way.length, (t + 16, last), min(last + rng.randint(14, 22), LAST_FRAME))
         hand.release((last, last + 8))
         _go_back(hand, last + 8)
 
@@ -344,8 +345,8 @@ def _keep_rest(table: Area, arm: Reach) -> None:
 
 
 def _go_back(hand: PenHand | TableHand, first: int) -> None:
-    if first + 12 <= _LAST:
-        hand.withdraw((first, min(first + 20, _LAST)))
+    if first + 12 <= LAST_FRAME:
+        hand.withdraw((first, min(first + 20, LAST_FRAME)))
 
 
 def overlap(a: Oblong, b: Oblong) -> bool:

@@ -15,7 +15,9 @@ from ...assets import soup_bowl, spoon
 from ...motion.diners import Diner
 from ...motion.servers import Stirring, spoon_between
 from ...placing import pose
-from ..areas import Area, Flat, NoRoom, heading_to
+from ...timeline import LAST_FRAME
+from ..areas import Area, Flat, heading_to
+from ..errors import NoRoom
 from ..looks import Look
 from ..stage import Stage
 from .arms import Reach
@@ -28,7 +30,6 @@ BOWL = soup_bowl.Look(rim_m=(0.086, 0.084), foot_m=0.042, level=0.68)
 SHAPE = spoon.Look(0.195, (0.043, 0.056), (0.0110, 0.0200), 0.0028)
 _DEEP_M = 0.005  # of the tip of a spoon that stirs above the floor of the bowl
 _PALM_M = 0.055
-_LAST = 96
 
 
 def spoon_item(name: str, look: Look) -> Oblong:
@@ -119,6 +120,7 @@ class Stir:
         up.translation += Vector((*(0.02 * x for x in self.lean), 0.11))
         hand.bring(up, (last, last + 14))
         down = last + 14 + rng.randint(16, 20)
+        assert self.spoon.heading_deg is not None
         hand.lay_down(
             pose((*self.laid, table.point(*self.laid)[2]), self.spoon.heading_deg), (last + 14, down)
         )
@@ -225,7 +227,7 @@ def _keep_rest(table: Area, arm: Reach) -> None:
 
 def _leave(hand: Diner, done: int) -> None:
     """Lets go and goes back, if there is time for it."""
-    if done + 9 <= _LAST:
+    if done + 9 <= LAST_FRAME:
         hand.release((done, done + 9))
-        if done + 24 <= _LAST:
-            hand.withdraw((done + 9, min(done + 30, _LAST)))
+        if done + 24 <= LAST_FRAME:
+            hand.withdraw((done + 9, min(done + 30, LAST_FRAME)))

@@ -15,10 +15,11 @@ from ...motion.playing import kick_spot
 from ...motion.throwing import toss
 from ...timeline import FRAME_COUNT, LAST_FRAME
 from ..areas import Area, Flat
+from ..errors import NoRoom
 from .actors import Actor
 from .errands import arriving
 from .folk import Figure
-from .rehearsal import Misfit, ahead
+from .rehearsal import ahead
 from .roles import Item, Role
 
 _STEP_IN_M = 0.42  # how far a kick carries the body, on the reference body
@@ -43,7 +44,7 @@ def kicked_back(rng: random.Random, area: Area, one: Figure, two: Figure, item: 
     back = heading + 180.0 + rng.uniform(-70, 70)
     spot = kick_spot(two.dress, between, back, item.ware.radius_m)
     if not area.is_free(spot, 0.26):
-        raise Misfit("there is no room to kick")
+        raise NoRoom("there is no room to kick")
     second = Role(two, spot, back)
     second.disc.friends.add(item.name)
     second.wait(strike + 34)
@@ -63,7 +64,7 @@ def throw(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
     reach = rng.uniform(1.3, 2.0)
     spots = [ahead(at, way, m) for m in (reach, reach + 0.35, reach + rng.uniform(0.6, 0.9))]
     if rest > LAST_FRAME or not area.is_free(ahead(at, way, 0.5), item.ware.radius_m + 0.03, spots[-1]):
-        raise Misfit("there is no room to throw")
+        raise NoRoom("there is no room to throw")
     role.held[side] = item
     role.free_hands = {"l", "r"} - {side}
     role.disc.friends.add(item.name)
@@ -113,14 +114,14 @@ def _aim(
         start = ahead(ball, heading, -0.9)
         if area.is_free(ball, item.ware.radius_m + 0.03, end) and area.is_free(start, 0.26, ball):
             return heading, end
-    raise Misfit("there is no room to kick")
+    raise NoRoom("there is no room to kick")
 
 
 def _kicker(rng: random.Random, area: Area, figure: Figure, item: Item, heading: float, delay: int) -> Role:
     """Somebody who stands behind a ball, or who walks up to it."""
     spot = kick_spot(figure.dress, item.at, heading, item.ware.radius_m)
     if not area.is_free(spot, 0.24):
-        raise Misfit("there is no room to kick")
+        raise NoRoom("there is no room to kick")
     if rng.random() < 0.5:
         role = Role(figure, spot, heading)
         role.wait(delay)
@@ -147,10 +148,10 @@ def _roll(rng: random.Random, area: Area, item: Item, rolls: list[tuple[int, Fla
     here, spans = item.at, []
     for start, end in rolls:
         if not area.is_free(here, item.ware.radius_m + 0.03, end):
-            raise Misfit("there is no room to roll")
+            raise NoRoom("there is no room to roll")
         stop = start + rng.randint(30, 34)
         if stop > LAST_FRAME:
-            raise Misfit("there is no time to roll")
+            raise NoRoom("there is no time to roll")
         t = np.clip((np.arange(start, FRAME_COUNT) - start) / (stop - start), 0.0, 1.0)
         share = (1.0 - (1.0 - t) ** _POWER)[:, None]
         item.disc.xy[start:] = np.array(here) + share * (np.array(end) - np.array(here))

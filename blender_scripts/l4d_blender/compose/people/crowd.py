@@ -10,11 +10,12 @@ import random
 from collections.abc import Callable, Sequence
 
 from ..areas import Area
+from ..errors import NoRoom
 from ..looks import Look
 from ..stage import Stage
 from . import errands
 from .folk import Figure
-from .rehearsal import Board, Misfit, rehearse, roomy_m2
+from .rehearsal import Board, rehearse, roomy_m2
 from .roles import Item, Role, perform
 from .wares import Ware
 
@@ -50,7 +51,7 @@ class Crowd:
     ) -> list[Role]:
         """Gives the next idle people an errand: `errand(figures..., item)`; the item only if there is one."""
         if len(self.idle) < people:
-            raise Misfit("there are too few people")
+            raise NoRoom("there are too few people")
         figures, things = self.idle[:people], [] if item is None else [item]
         before = [thing.disc.copy() for thing in things]
 

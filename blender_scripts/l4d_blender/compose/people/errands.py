@@ -1,7 +1,7 @@
 """Errands: whole little stories of one or two people with things, drawn on the plan.
 
 Each draws where its people start, which ways they take and how long, for things that have their places.
-Raises `Misfit` where there is no room or time. Builds nothing.
+Raises `NoRoom` where there is no room or time. Builds nothing.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from mathutils import Vector
 from ...motion.traders import swing_while_carried
 from ...timeline import FRAME_COUNT, LAST_FRAME
 from ..areas import Area, Flat, heading_to
+from ..errors import NoRoom
 from .actors import Actor
 from .folk import Figure
-from .rehearsal import Disc, Misfit, ahead
+from .rehearsal import Disc, ahead
 from .roles import Item, Role
 
 _BODY_M, _LOADED_M = 0.26, 0.34
@@ -72,7 +73,7 @@ def bring(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
     walk_off(rng, area, role, _LOADED_M, fresh=True)
     role.put_down(item, rng.randint(22, 28))
     if not area.is_free(item_end(item), 0.8 * item.ware.radius_m):
-        raise Misfit("there is no room to put something down")
+        raise NoRoom("there is no room to put something down")
     return role
 
 
@@ -117,7 +118,7 @@ def hand_over(rng: random.Random, area: Area, giver: Figure, taker: Figure, item
     gap = 0.46 * first.k + 0.41 * taker.scale + 0.096
     stand = ahead(at, first.facing, gap, -0.05 * (first.k + taker.scale))
     if not area.is_free(stand, _BODY_M, at):
-        raise Misfit("there is no room to meet")
+        raise NoRoom("there is no room to meet")
     second = arriving(rng, area, taker, stand, first.facing + 180.0, (0.5, 1.4))
     bar, (grip,) = np.array(item.ware.bar), item.ware.grips(item.look)
     near, far = (tuple(np.array(grip) + d * bar) for d in (-0.048, 0.048))
@@ -127,7 +128,7 @@ def hand_over(rng: random.Random, area: Area, giver: Figure, taker: Figure, item
     first.act(44, lambda a, f: a.offer(item.prop.instance, f, release=f[0] + 24, side="r"), 0.30)
     second.walk([stand], facing_deg=first.facing + 180.0)
     if second.now > release - 16:
-        raise Misfit("somebody comes too late")
+        raise NoRoom("somebody comes too late")
     second.wait(release - 16 - second.now)
     second.act(
         34,
@@ -169,7 +170,7 @@ def wait_with_suitcase(rng: random.Random, area: Area, figure: Figure, item: Ite
     facing = item.heading_deg + rng.uniform(-25, 25)
     at = ahead(item.at, facing, -0.05, -sign * 0.44 * figure.scale)
     if not area.is_free(at, _BODY_M):
-        raise Misfit("no room to stand")
+        raise NoRoom("no room to stand")
     role = Role(figure, at, facing)
     role.free_hands = {"l", "r"} - {side}
     role.disc.friends.add(item.name)
@@ -260,7 +261,7 @@ def stand_before(
         stand = ahead(point, facing, -ahead_m, -aside)
         if area.is_free(stand, _BODY_M):
             return facing, stand
-    raise Misfit("no room to stand")
+    raise NoRoom("no room to stand")
 
 
 def arriving(
@@ -277,7 +278,7 @@ def arriving(
         start = ahead(stand, facing + rng.uniform(-spread_deg, spread_deg), -rng.uniform(*way_m))
         if area.is_free(start, _BODY_M, stand):
             return Role(figure, start, heading_to(start, stand) + rng.uniform(-15, 15))
-    raise Misfit("there is no way to get there")
+    raise NoRoom("there is no way to get there")
 
 
 def walk_off(
@@ -318,7 +319,7 @@ def _way_out(
                 return [middle, goal]
         elif area.is_free(here, radius_m, goal):
             return [goal]
-    raise Misfit("there is no way out")
+    raise NoRoom("there is no way out")
 
 
 def _swings(role: Role, item: Item, frames: tuple[int, int]) -> None:
@@ -326,5 +327,5 @@ def _swings(role: Role, item: Item, frames: tuple[int, int]) -> None:
     first, last = frames[0] + 4, min(frames[1], LAST_FRAME)
     if last - first < 20:
         return
-    grip = item.ware.grip_of(item.look)
+    grip = item.ware.grips(item.look)[0]
     role.after.append(lambda: swing_while_carried(item.prop.instance, grip, [(first, last)]))

@@ -16,8 +16,9 @@ import numpy as np
 
 from ...scene import Scene
 from ...timeline import FRAME_COUNT, PROFILES
-from ..areas import Area, Flat, NoRoom
-from ..stage import Rejected, Stage
+from ..areas import Area, Flat
+from ..errors import NoRoom, Rejected
+from ..stage import Stage
 
 T = TypeVar("T")
 TRIES = 80
@@ -25,10 +26,6 @@ _SAMPLED = range(0, FRAME_COUNT, 12)
 _PIXELS = 180.0  # more than visibility.GATE_PIXELS: discs are not bodies
 _VIEWS = 9  # of 17 cameras, so that more than six of the twelve training views remain
 _SEEN_FROM = [(u, v) for u in (-0.6, 0.0, 0.6) for v in (0.12, 0.4, 0.68, 0.93)]
-
-
-class Misfit(Exception):
-    """This plan does not work; another draw may."""
 
 
 @dataclass
@@ -85,12 +82,12 @@ class Board:
                 made = draw()
                 news = discs(made)
                 self._check(news)
-            except (Misfit, NoRoom) as error:
+            except NoRoom as error:
                 reason = str(error)
                 continue
             self.discs += [disc for disc in news if not any(disc is other for other in self.discs)]
             return made
-        raise Misfit(reason)
+        raise NoRoom(reason)
 
     def check_sight(self) -> None:
         """Refuses a plan in which something would be hidden from the held-out view or from most cameras."""
@@ -103,10 +100,10 @@ class Board:
     def _check(self, news: Sequence[Disc]) -> None:
         olds = [disc for disc in self.discs if not any(disc is other for other in news)]
         if any(_meet(a, b) for a, b in [*combinations(news, 2), *product(news, olds)]):
-            raise Misfit("two are in each other's way")
+            raise NoRoom("two are in each other's way")
         for disc in news:
             if not self._is_free(disc):
-                raise Misfit("somebody leaves the free floor")
+                raise NoRoom("somebody leaves the free floor")
         for disc in news:
             _check_sight(self.scene, [disc])
 
@@ -139,12 +136,12 @@ def _meet(a: Disc, b: Disc) -> bool:
 
 
 def rehearse(stage: Stage, key: str, draw: Callable[[int], T], tries: int = TRIES) -> T:
-    """The first of `tries` drawn plans that works; `draw` gets the number of the try and raises `Misfit`."""
+    """The first of `tries` drawn plans that works; `draw` gets the number of the try and raises `NoRoom`."""
     reasons: dict[str, int] = {}
     for k in range(tries):
         try:
             return draw(k)
-        except (Misfit, NoRoom) as error:
+        except NoRoom as error:
             reason = str(error)
             reasons[reason] = reasons.get(reason, 0) + 1
     worst = max(reasons, key=lambda reason: reasons[reason])
@@ -155,10 +152,10 @@ def _check_sight(scene: Scene, discs: Sequence[Disc]) -> None:
     good = _seen(scene, discs)  # discs x cameras x frames
     views = np.median(good.sum(axis=1), axis=1)
     if views.min() < _VIEWS:
-        raise Misfit("something is hidden from most cameras")
+        raise NoRoom("something is hidden from most cameras")
     steady = good.mean(axis=2) >= 0.85
     if not steady[:, 1:-1].all(axis=0).any():
-        raise Misfit("no camera sees all of them")
+        raise NoRoom("no camera sees all of them")
 
 
 def _seen(scene: Scene, discs: Sequence[Disc]) -> np.ndarray:

@@ -9,18 +9,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import ceil, radians
+from typing import Any
 
 import numpy as np
 
 from ... import keys
-from ...placing import Thing
 from ...timeline import FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
 from ..areas import Area, Flat, heading_to
+from ..errors import NoRoom
 from ..looks import Look
 from ..stage import Prop, Stage
 from .actors import Actor, hire, middle_of
 from .folk import Figure
-from .rehearsal import Disc, Misfit, ahead, ahead_of
+from .rehearsal import Disc, ahead, ahead_of
 from .wares import Ware
 
 ROOM_M = 0.29  # radius of somebody who stands or walks
@@ -38,9 +39,9 @@ class Item:
     look: Look
     disc: Disc
     heading_deg: float
-    prop: Prop | None = None
-    thing: Thing | None = None
-    words: dict[str, object] = field(default_factory=dict)
+    prop: Prop = field(init=False, repr=False, compare=False)
+    thing: Any = field(init=False, repr=False, compare=False)
+    words: dict[str, Any] = field(default_factory=dict)
     on: float | None = None
     alike: bool = False
     holder: Role | None = None
@@ -101,7 +102,7 @@ class Role:
         self.waits_for: list[Role] = []
         self.touches: list[Prop] = []  # furniture
         self.start: Flat | None = None  # where its feet are at first, if that is not where its disc is
-        self.actor: Actor | None = None
+        self.actor: Actor
         self._steps: list[Callable[[Actor], None]] = []
         self.ground_m = 0.0
 
@@ -128,7 +129,7 @@ class Role:
         for side in ("r", "l"):
             if side in self.free_hands:
                 return side
-        raise Misfit("no hand is free")
+        raise NoRoom("no hand is free")
 
     def spot_for(self, point: Flat, heading_deg: float, side: str | None, ahead_m: float = 0.36) -> Flat:
         """Where it must stand to take something from a point with one hand (None: with both)."""
@@ -144,7 +145,7 @@ class Role:
         steps = max(1, round(path.length / (_STRIDE_M * self.k)))
         last = first + max(MIN_EVENT_FRAMES + 3, ceil(24 * (steps + 1) / pace))
         if last > LAST_FRAME:
-            raise Misfit("there is no time to walk")
+            raise NoRoom("there is no time to walk")
         span = last - first
         samples = np.linspace(0.0, path.length, 25)
         line = np.array([path.point(float(s))[:2] for s in samples])
@@ -169,7 +170,7 @@ class Role:
         pairs = max(1, ceil(abs(radians(way)) / 0.9))
         last = first + 11 * pairs + 2
         if last > LAST_FRAME:
-            raise Misfit("there is no time to turn")
+            raise NoRoom("there is no time to turn")
         self.heading[first:] = np.interp(
             np.arange(first, FRAME_COUNT), [first, last], [self.facing, self.facing + way]
         )
@@ -204,7 +205,7 @@ class Role:
         """Any act of a body on the spot that takes so many frames and so much room."""
         first, last = self.now, self.now + frames
         if last > LAST_FRAME:
-            raise Misfit("there is no time for another act")
+            raise NoRoom("there is no time for another act")
         self._steps.append(lambda a: do(a, (first, last)))
         self.disc.radius_m[first : last + 1] = np.maximum(
             self.disc.radius_m[first : last + 1], room_m * self.k
@@ -226,35 +227,35 @@ class Role:
     def stretch(self, frames: int = 56) -> Frames:
         """Stretches with both arms over the head."""
         if self.held:
-            raise Misfit("no hand is free")
+            raise NoRoom("no hand is free")
         return self.act(frames, lambda a, f: a.stretch(f), 0.40)
 
     def cheer(self, frames: int = 40) -> Frames:
         """Throws up both arms."""
         if self.held:
-            raise Misfit("no hand is free")
+            raise NoRoom("no hand is free")
         return self.act(frames, lambda a, f: a.cheer(f), 0.42)
 
     def crouch(self, frames: int = 44) -> Frames:
         """Goes down and comes up again."""
         if self.held:
-            raise Misfit("no hand is free")
+            raise NoRoom("no hand is free")
         return self.act(frames, lambda a, f: a.crouch(f, depth=1.2), 0.40)
 
     def bend_down(self, frames: int = 36) -> Frames:
         """Bends down and straightens up."""
         if self.held:
-            raise Misfit("no hand is free")
+            raise NoRoom("no hand is free")
         return self.act(frames, lambda a, f: a.bend_down(f, depth=0.9), 0.45)
 
     def point_at(self, target: Callable[[], Prop], towards: Flat, frames: int = 40) -> Frames:
         """Points at something that stands still, from the hand on its side."""
         bearing = (heading_to(self.here, towards) - self.facing + 180) % 360 - 180
         if abs(bearing) > 75:
-            raise Misfit("somebody would point backwards")
+            raise NoRoom("somebody would point backwards")
         side = "l" if bearing > 0 else "r"
         if side not in self.free_hands:
-            raise Misfit("no hand is free")
+            raise NoRoom("no hand is free")
 
         def do(a: Actor, f: Frames) -> None:
             prop = target()
@@ -271,14 +272,11 @@ class Role:
     def hold(self, item: Item, side: str | None = None, grip: Sequence[float] | None = None) -> None:
         """Has something in the hand from the first frame on; `grip` if not the middle of its handle."""
         ware, side = item.ware, self._take(item, side)
-        if grip is None:
-            grip = ware.grip_of(item.look)
-            if ware.two_hands:  # the left hand's comes first
-                grip = tuple(sorted(grip, key=lambda point: -point[0]))
+        where = ware.hold_of(item.look) if grip is None else grip
         item.holder = self
         self._steps.append(
             lambda a: a.hold(
-                item.prop.instance, grip, side=side, bar=ware.bar, carry=ware.carry, clear_m=ware.clear_m
+                item.prop.instance, where, side=side, bar=ware.bar, carry=ware.carry, clear_m=ware.clear_m
             )
         )
         self.hands_follow(0)
@@ -334,14 +332,14 @@ class Role:
     def _take(self, item: Item, side: str | None) -> str:
         if item.ware.two_hands:
             if self.held:
-                raise Misfit("no hand is free")
+                raise NoRoom("no hand is free")
             self.held = {"l": item, "r": item}
             self.disc.cover = 1.6  # arms and trunk before it
             side = "r"
         else:
             side = side or self.hand()
             if side not in self.free_hands:
-                raise Misfit("no hand is free")
+                raise NoRoom("no hand is free")
             self.held[side] = item
         self.free_hands = {"l", "r"} - set(self.held)
         self.disc.friends.add(item.name)
@@ -369,8 +367,8 @@ class Role:
         for step in self._steps:
             step(self.actor)
         self.actor.finish()
-        for step in self.after:
-            step()
+        for then in self.after:
+            then()
 
 
 def perform(stage: Stage, area: Area, roles: Sequence[Role], items: Sequence[Item]) -> None:

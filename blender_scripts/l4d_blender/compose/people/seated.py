@@ -10,11 +10,12 @@ from mathutils import Euler, Matrix
 from ...motion.reading import Spread
 from ...timeline import LAST_FRAME
 from ..areas import Area
+from ..errors import NoRoom
 from ..looks import Look
 from ..stage import Chair, Stage
 from .actors import Actor
 from .folk import Figure
-from .rehearsal import Misfit, ahead
+from .rehearsal import ahead
 from .roles import Role
 
 _FEET_M = 0.41  # before the point on the seat
@@ -31,7 +32,7 @@ def sit_down(rng: random.Random, area: Area, figure: Figure, chair: Chair) -> Ro
         if area.is_free(start, 0.26) and area.is_clear(start, feet, 0.2, ignoring=own):
             break
     else:
-        raise Misfit("there is no way to the chair")
+        raise NoRoom("there is no way to the chair")
     role = _at_chair(figure, chair, start, 0.0)
     role.heading[:] = chair.heading_deg + (90.0 if side < 0 else -90.0) + rng.uniform(-15, 15)
     role.wait(rng.randint(0, 10))
@@ -61,14 +62,22 @@ def sit(rng: random.Random, figure: Figure, chair: Chair, gestures: tuple[str, .
         frames = rng.randint(32, 42)
         if gesture == "wave" and frames <= role.left:
             side = rng.choice("lr")
-            role.act(frames, lambda a, f, side=side: a.wave_sitting(f, side=side), 0.40)
+
+            def wave(a: Actor, f: tuple[int, int], side: str = side) -> None:
+                a.wave_sitting(f, side=side)
+
+            role.act(frames, wave, 0.40)
             role.wait(rng.randint(4, 12))
         elif gesture == "phone" and frames + 26 <= role.left:
             role.wait(26)
             last = LAST_FRAME if role.left - frames < 18 else role.now + frames
             role.act(last - role.now, lambda a, f: a.phone(f, side="r"), 0.34)
             if last < LAST_FRAME:
-                role.do(lambda a, last=last: a.hand_on_knee("r", (last + 2, last + 16)))
+
+                def sink(a: Actor, last: int = last) -> None:
+                    a.hand_on_knee("r", (last + 2, last + 16))
+
+                role.do(sink)
     role.now = LAST_FRAME
     return role
 
@@ -135,7 +144,7 @@ def _seated(figure: Figure, chair: Chair) -> Role:
 def _lower(role: Role, chair: Chair) -> None:
     first = role.now
     if role.left < 30:
-        raise Misfit("there is no time to sit down")
+        raise NoRoom("there is no time to sit down")
     role.do(lambda a: a.sit(chair.seat, (first, LAST_FRAME)))
     role.disc.leaves_floor = min(role.disc.leaves_floor, first - 8)
     role.disc.xy[first + 16 :] = ahead(chair.seat[:2], chair.heading_deg, 0.5 * _FEET_M)

@@ -47,6 +47,12 @@ class Ware:
         grips = self.grips(look)
         return grips if len(grips) == 2 else grips[0]
 
+    def hold_of(self, look: Look) -> tuple[Point, ...] | Point:
+        """As `Person.hold` wants it: the left hand's comes first."""
+        if self.two_hands:
+            return tuple(sorted(self.grips(look), key=lambda point: -point[0]))
+        return self.grip_of(look)
+
 
 # ---- looks -------------------------------------------------------------------------------------------
 

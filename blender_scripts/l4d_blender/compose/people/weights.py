@@ -9,10 +9,11 @@ import numpy as np
 from ...assets import gym_equipment
 from ...motion.lifters import OVERHAND
 from ..areas import Area
+from ..errors import NoRoom
 from .actors import Actor
 from .errands import arriving
 from .folk import Figure
-from .rehearsal import Misfit, ahead
+from .rehearsal import ahead
 from .roles import Item, Role
 
 STEP_M = gym_equipment.STEP_TOP_M  # they lie on steps: no one curls from the floor
@@ -29,7 +30,7 @@ def train(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
         if area.is_free(stand, 0.28):
             break
     else:
-        raise Misfit("no room to stand")
+        raise NoRoom("no room to stand")
     if rng.random() < 0.5:
         role = Role(figure, stand, facing)
         role.wait(delay)
@@ -45,7 +46,7 @@ def train(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
     back = (curl[1], curl[1] + rng.randint(22, 26))
     put_down = back if back[1] <= 96 and rng.random() < 0.75 else None
     if curl[1] > 96:
-        raise Misfit("there is no time to curl")
+        raise NoRoom("there is no time to curl")
 
     def do(a: Actor, _: tuple[int, int]) -> None:
         bar_m = item.look.words["look"].bar_height_m

@@ -55,7 +55,7 @@ def bedroom(stage: Stage) -> None:
         legs_m=0.08,
         timber=rng.choice(rooms.TIMBERS),
         category="wardrobe",
-        **({"colour": cloths[4]} if rng.random() < 0.3 else {}),
+        **rooms.words_if(rng.random() < 0.3, colour=cloths[4]),
     )
     if rng.random() < 0.7:
         room.stand("cabinet.chest", "chest", ("back", "left", "right"), size_m=(0.92, 0.47, 0.5))

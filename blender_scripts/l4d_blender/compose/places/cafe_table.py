@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..settings.tabletops import BIRCH, OAK, WALNUT, Tabletop, wood
 from . import place
@@ -16,7 +16,10 @@ def cafe_table(stage: Stage) -> None:
     """A small table on one foot; others with their chairs behind it."""
     rng = stage.rng("cafe table")
     top = Tabletop(stage, "cafe table", (rng.uniform(0.98, 1.08), rng.uniform(0.64, 0.68)))
-    looks = {"top": rng.choice(("wood", "marble", "lacquer")), "shape": rng.choice(("square", "round_ended"))}
+    looks: dict[str, Any] = {
+        "top": rng.choice(("wood", "marble", "lacquer")),
+        "shape": rng.choice(("square", "round_ended")),
+    }
     looks |= {
         "colour": rng.choice(("white", "green", "red", "black", "teal")),
         **wood(rng, OAK, WALNUT, BIRCH),

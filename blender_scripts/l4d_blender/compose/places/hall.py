@@ -27,7 +27,7 @@ def hall(stage: Stage) -> None:
             sides=("back", "left", "right"),
             colour=cloths[0],
         )
-        seats, height_m = (-0.32, 0.32), couch.BENCH_SEAT_M
+        seats, height_m = [-0.32, 0.32], couch.BENCH_SEAT_M
     else:
         bench = room.rim_bench(
             "chair_row", "chairs", length_m=1.9, depth_m=0.54, sides=("back",), count=3, colour=cloths[0]

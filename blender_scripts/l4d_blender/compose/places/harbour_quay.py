@@ -8,6 +8,7 @@ import bpy
 
 from ...assets import mesh, shopfront
 from ...assets.materials import lakeside, street
+from ...colour import rgb
 from ..settings import outdoors
 from ..settings.outdoors import Mark
 from . import place
@@ -57,8 +58,7 @@ def _surfaces(stage: Stage, water_m: float) -> None:
         bpy.data.objects.remove(setts)
     tone = rng.uniform(0.8, 1.1)
     stone = street.brickwork(
-        "quay_wall",
-        (tuple(tone * c for c in (0.25, 0.23, 0.20)), tuple(tone * c for c in (0.17, 0.16, 0.14))),
+        "quay_wall", (rgb(tone * c for c in (0.25, 0.23, 0.20)), rgb(tone * c for c in (0.17, 0.16, 0.14)))
     )
     wall = mesh.move(mesh.box("quay_wall", (120.0, 0.5, 2.0)), 0.0, 0.26, -2.02)
     mesh.set_material(wall, stone)
@@ -125,7 +125,7 @@ def _town(stage: Stage, now: Day, water_m: float) -> None:
         look = shopfront.ShopLook(
             trade,
             rng.choice(_WALLS),
-            tuple(
+            rgb(
                 0.6 * c
                 for c in outdoors.paint(rng.choice(("green", "navy", "brown", "red", "teal", "white")))
             ),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...assets import kitchen_units
 from ..areas import Area
@@ -108,7 +108,9 @@ def _wall(room: rooms.Room) -> None:
         curtain=rng.choice(rooms.CLOTHS),
     )
     kind, z = rng.choice((("kitchen_units.wall_cupboard", 1.45), ("kitchen_units.shelf", 1.55)))
-    looks = {"finish": kitchen_units.Finish(rng.choice(FRONTS))} if kind.endswith("cupboard") else {}
+    looks: dict[str, Any] = (
+        {"finish": kitchen_units.Finish(rng.choice(FRONTS))} if kind.endswith("cupboard") else {}
+    )
     for k in range(rng.randint(1, 3)):
         found = room.hang(
             kind,

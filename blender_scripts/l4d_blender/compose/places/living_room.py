@@ -34,6 +34,7 @@ def living_room(stage: Stage) -> None:
         near=rng.uniform(-0.7, 0.7),
         must=True,
     )
+    assert sofa is not None
     for along_m in (-0.25 * width_m + 0.08, 0.25 * width_m - 0.08):
         room.seat(sofa, height_m=couch.SEAT_M, ahead_m=couch.SEAT_AHEAD_M, along_m=along_m)
     chair = room.rim(
@@ -96,7 +97,7 @@ def living_room(stage: Stage) -> None:
             "chest",
             ("left", "right", "back"),
             size_m=(0.92, 0.47, 0.5),
-            **({"colour": cloths[2]} if rng.random() < 0.5 else {}),
+            **rooms.words_if(rng.random() < 0.5, colour=cloths[2]),
             bands=rng.random() < 0.5,
         )
     room.finish(

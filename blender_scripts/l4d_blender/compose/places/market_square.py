@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ...assets import mesh, shopfront
+from ...colour import rgb
 from ..settings import outdoors
 from ..settings.outdoors import Mark
 from . import place
@@ -69,7 +70,7 @@ def _shops(stage: Stage, now: Day) -> None:
         look = shopfront.ShopLook(
             trade,
             rng.choice(_WALLS),
-            tuple(
+            rgb(
                 0.6 * c
                 for c in outdoors.paint(rng.choice(("green", "navy", "brown", "red", "teal", "black")))
             ),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ...assets import ground, mesh
 from ...assets.materials import playground as materials
+from ...colour import rgb
 from ..settings import outdoors
 from ..settings.outdoors import Mark
 from . import place
@@ -91,7 +92,7 @@ def _granulate(stage: Stage) -> None:
     colour, speck = rng.sample(("red", "green", "light_blue", "orange", "blue"), 2)
     floor = mesh.bevel_box("soft_floor", (8.8, 7.3, 0.5), 0.05, 2)
     mesh.move(floor, 0.0, 0.25, -0.488)
-    tone = tuple(0.55 * c + 0.03 for c in materials.PAINTS[colour])
+    tone = rgb(0.55 * c + 0.03 for c in materials.PAINTS[colour])
     mesh.set_material(floor, materials.rubber_granulate("granulate", tone, materials.PAINTS[speck]))
 
 

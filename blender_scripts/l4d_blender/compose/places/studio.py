@@ -40,8 +40,9 @@ def studio(stage: Stage) -> None:
         colour=cloths[0],
         arms=rng.choice(("slim", "low")),
     )
-    for along in (-0.35, 0.35) if sofa is not None else ():
-        room.seat(sofa, height_m=couch.SEAT_M, ahead_m=couch.SEAT_AHEAD_M, along_m=along)
+    if sofa is not None:
+        for along in (-0.35, 0.35):
+            room.seat(sofa, height_m=couch.SEAT_M, ahead_m=couch.SEAT_AHEAD_M, along_m=along)
     room.rim("easel", "easel", size_m=(0.75, 1.66), out_m=(0.15, 0.5), hidden=0.12, palette=rng.randrange(3))
     for k in range(2 - len(stage.chairs) // 2):
         chair = room.rim(
@@ -72,7 +73,7 @@ def studio(stage: Stage) -> None:
         size_m=(1.15, 0.48, 0.8),
         width_m=1.1,
         fronts="drawers",
-        **({"colour": cloths[1]} if rng.random() < 0.5 else {}),
+        **rooms.words_if(rng.random() < 0.5, colour=cloths[1]),
     )
     if cabinet is not None:
         room.decorate(cabinet, ("kitchen_clutter.jar", "flower_vase", "candle", "wooden_box"))

@@ -125,7 +125,7 @@ def _houses(stage: Stage, now: Day) -> None:
             )
     else:
         gaps = sorted(rng.uniform(-20, 20) for _ in range(4))
-        spots = [
+        bushes = [
             spot
             for spot in outdoors.row((-28.0, y + 0.2), (28.0, y + 0.2), 1.5)
             if all(abs(spot[0][0] - g) > 1.1 for g in gaps)
@@ -134,7 +134,7 @@ def _houses(stage: Stage, now: Day) -> None:
             stage,
             now.season,
             "hedge",
-            spots,
+            bushes,
             kind="tree.bush",
             on=KERB_M,
             any_way=False,
@@ -142,15 +142,15 @@ def _houses(stage: Stage, now: Day) -> None:
             size_xyz=(1.8, 0.9, rng.uniform(0.8, 1.2)),
             sprays=500,
         )
-    spots = [(rng.uniform(-25, 25), rng.uniform(7.4, 9.5)) for _ in range(8)]
+    places = [(rng.uniform(-25, 25), rng.uniform(7.4, 9.5)) for _ in range(8)]
     outdoors.plant(
-        stage, now.season, "garden_bush", spots, kind="tree.bush", on=KERB_M, scale=(0.7, 1.5), sprays=500
+        stage, now.season, "garden_bush", places, kind="tree.bush", on=KERB_M, scale=(0.7, 1.5), sprays=500
     )
-    spots = [(s * rng.uniform(9.0, 32.0), rng.uniform(7.6, 9.5)) for s in (-1, 1, -1, 1)]
-    spots += [(rng.uniform(-30, 30), rng.uniform(20.0, 26.0)) for _ in range(6)]
-    spots += [(s * rng.uniform(22.0, 40.0), rng.uniform(-13.0, -8.0)) for s in (-1, 1, -1, 1)]
+    places = [(s * rng.uniform(9.0, 32.0), rng.uniform(7.6, 9.5)) for s in (-1, 1, -1, 1)]
+    places += [(rng.uniform(-30, 30), rng.uniform(20.0, 26.0)) for _ in range(6)]
+    places += [(s * rng.uniform(22.0, 40.0), rng.uniform(-13.0, -8.0)) for s in (-1, 1, -1, 1)]
     outdoors.plant(
-        stage, now.season, "tree", spots, on=KERB_M, height_m=rng.uniform(5.5, 7.0), scale=(0.8, 1.25)
+        stage, now.season, "tree", places, on=KERB_M, height_m=rng.uniform(5.5, 7.0), scale=(0.8, 1.25)
     )
 
 

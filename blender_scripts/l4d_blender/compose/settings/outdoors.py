@@ -9,18 +9,18 @@ import random
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import atan2, cos, degrees, hypot, radians, sin
+from typing import Any, Protocol
 
 import bpy
 
 from ... import catalogue
-from ...assets import autumn, ground, mesh
-from ...placing import HeightField, Support, Thing
+from ...assets import autumn, mesh
+from ...colour import Colour
+from ...placing import AnyThing, HeightField, Support, Thing, parts
 from ...scattering import NEARLY, scatter, skyline
 from ..areas import Area, Flat
 from ..looks import Look
 from ..stage import Chair, Prop, Stage
-
-Colour = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -109,11 +109,10 @@ def day(
 
 
 def retint(
-    thing: Thing, *, hue: float = 0.0, saturation: float = 1.0, value: float = 1.0, only: str = ""
-) -> Thing:
+    thing: AnyThing, *, hue: float = 0.0, saturation: float = 1.0, value: float = 1.0, only: str = ""
+) -> AnyThing:
     """Shifts the base colours of materials whose names contain `only`; a hue of 1 is a whole turn."""
-    objects = [thing] if isinstance(thing, bpy.types.Object) else list(getattr(thing, "parts", thing))
-    for slot in (slot for obj in objects for slot in obj.material_slots):
+    for slot in (slot for obj in parts(thing) for slot in obj.material_slots):
         material = slot.material
         if only not in material.name or material.get("retinted") or material.node_tree is None:
             continue
@@ -138,10 +137,20 @@ def in_season(thing: Thing, season: Season, only: str = "") -> Thing:
     return retint(thing, hue=season.hue, saturation=season.saturation, value=season.value, only=only)
 
 
+class Relief(Protocol):
+    """Ground as `ground.Terrain` describes it."""
+
+    def height(self, x: float, y: float) -> float:
+        """Metres."""
+
+    def wear(self, x: float, y: float) -> float:
+        """0 grass .. 1 bare soil."""
+
+
 def land(
     stage: Stage,
     season: Season,
-    terrain: ground.Terrain,
+    terrain: Relief,
     *,
     tufts: int = 2200,
     turf_m: float = 8.5,
@@ -195,7 +204,7 @@ def land(
         )
 
 
-def tree(stage: Stage, season: Season, name: str, rng: random.Random, **words: object) -> bpy.types.Object:
+def tree(stage: Stage, season: Season, name: str, rng: random.Random, **words: Any) -> bpy.types.Object:
     """A tree or bush (`kind`) in the colours of a season."""
     kind = str(words.pop("kind", "tree"))
     made = stage.scene.make(kind, name, rng, **words)
@@ -225,7 +234,7 @@ def plant(
     sunk_m: float = 0.05,
     loose_m: float = 0.0,
     any_way: bool = True,
-    **words: object,
+    **words: Any,
 ) -> None:
     """Copies of some models of trees or bushes at spots: scenery."""
     rng = stage.rng(f"plant/{name}")
@@ -366,9 +375,9 @@ class Mark:
     low: bool = True
     away_m: float | None = None
     category: str | None = None
-    words: tuple[tuple[str, object], ...] = ()
+    words: tuple[tuple[str, Any], ...] = ()
 
-    def of(self, **words: object) -> Mark:
+    def of(self, **words: Any) -> Mark:
         """The same with attributes."""
         return replace(self, words=tuple(words.items()))
 

@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Any
 
 from ... import catalogue
 from ...assets import floor_lamp
+from ...colour import Colour
 from ..areas import Area, Flat, heading_to
-from ..stage import Chair, Prop, Rejected
+from ..errors import Rejected
+from ..stage import Chair, Prop
 
 if TYPE_CHECKING:
     from ..stage import Stage
 
-Colour = tuple[float, float, float]
 
 HEADINGS = {"back": 0.0, "left": 90.0, "right": -90.0}
 TALL_M = 1.85
@@ -325,7 +326,7 @@ class Room:
         else:
             return None
         self.taken.append(box)
-        more = dict(area=self.floor, radius_m=0.44 * wide)
+        more: dict[str, Any] = dict(area=self.floor, radius_m=0.44 * wide)
         if landmark:
             return self.stage.landmark(
                 kind, name, at, heading, attributes=attributes, category=category, **more, **words
@@ -424,7 +425,7 @@ class Room:
     def pendants(self, count: int, at: Flat = (0.0, 0.0), *, z: float = 2.15, spread_m: float = 0.8) -> None:
         """Lamps in a row under the ceiling, above everybody's head."""
         rng = self.stage.rng("pendants")
-        looks = dict(
+        looks: dict[str, Any] = dict(
             colour=rng.choice((*CLOTHS, "white", "black")),
             shape=rng.choice(("dome", "cone", "drum", "bowl")),
             glow=4.0 if self.mood.lamps_w else 0.6,
@@ -534,7 +535,7 @@ class Room:
         opening = (u - width_m / 2, u + width_m / 2, sill_m, sill_m + height_m)
         self.openings.setdefault(wall, []).append(opening)
         self.panes.append((wall, u, width_m, sill_m, height_m))
-        looks = (
+        looks: dict[str, Any] = (
             dict(
                 width_m=width_m,
                 height_m=height_m,
@@ -818,3 +819,8 @@ def _lens(
             if lens.shows(points):
                 return lens
     raise Rejected("no cameras see the whole floor")
+
+
+def words_if(wanted: bool, **words: Any) -> dict[str, Any]:
+    """These words of the catalogue, or none."""
+    return words if wanted else {}

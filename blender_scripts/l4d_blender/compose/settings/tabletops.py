@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 from ... import catalogue
 from ...catalogue import COLOURS
-from ..areas import Area, Flat, NoRoom, retried
+from ...colour import Colour
+from ..areas import Area, Flat, retried
+from ..errors import NoRoom
 from ..hands.arms import reaches
 from ..stage import Seat
 from . import rooms
@@ -21,7 +23,6 @@ from . import rooms
 if TYPE_CHECKING:
     from ..stage import Stage
 
-Colour = tuple[float, float, float]
 
 SHOULDER_M = 0.25
 _RESTING = "resting hands"
@@ -375,7 +376,7 @@ class Tabletop:
         )
 
 
-def wood(rng: random.Random, *woods: tuple[Colour, Colour]) -> dict[str, Colour]:
+def wood(rng: random.Random, *woods: tuple[Colour, Colour]) -> dict[str, Any]:
     """Light and dark of one of some timbers, a little off."""
     light, dark = rng.choice(woods or (OAK, WALNUT, PINE, BIRCH))
     off = rng.uniform(0.85, 1.12)

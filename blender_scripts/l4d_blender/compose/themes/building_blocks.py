@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import random
+from functools import partial
 from math import hypot
 from typing import TYPE_CHECKING
 
 from .. import looks
-from ..areas import Area, NoRoom, retried
+from ..areas import Area, retried
+from ..errors import NoRoom
 from ..hands.arms import reaches, willing
 from ..hands.closeup import move_in, piece
 from ..hands.handling import Deed, Item, rest_of
@@ -67,7 +69,7 @@ def _plan(stage: Stage, rng: random.Random, table: Area) -> tuple[Area, list[Ite
         size = SIZE_M[item.look.words["size"]]
         onto = order.pop() if verb == "stack" and order else None
         deed = Deed(verb, item, start, onto=onto, grip_m=0.6 * size)
-        willing(arms, lambda arm, deed=deed: deed.plan(rng, table, arm))
+        willing(arms, partial(deed.plan, rng, table))
         deeds.append(deed)
     for deed in deeds:
         if deed.verb == "push" and order and rng.random() < 0.6:
@@ -86,6 +88,7 @@ def _put_in_way(rng: random.Random, table: Area, deed: Deed, bumped: Item) -> No
     bumped.at = deed.item.at[0] + gap * ahead[0], deed.item.at[1] + gap * ahead[1]
     beyond = way - gap + 0.5 * sum(sizes) + 0.006
     end = bumped.at[0] + beyond * ahead[0], bumped.at[1] + beyond * ahead[1]
+    assert deed.arm is not None
     if not table.is_free(bumped.at, bumped.radius_m, end, ignoring=(deed.item.name, deed.arm.name)):
         raise NoRoom(f"no way for {bumped.name} to be shoved")
     table.take(bumped.at, bumped.radius_m, end, owner=bumped.name)

@@ -15,10 +15,10 @@ from ...motion.driving import Driver
 from ...timeline import FPS, FRAME_COUNT, LAST_FRAME
 from .. import looks
 from ..areas import Area, Flat
+from ..errors import NoRoom, Rejected
 from ..looks import Look
-from ..planning import Unfit, fitting
+from ..planning import fitting
 from ..sight import Bulk, hidden
-from ..stage import Rejected
 from . import theme
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def cars_on_road(stage: Stage) -> None:
             least_rise=0.30,
         )
         if hidden(rig, [[_bulk(course[f]) for course in courses] for f in range(0, FRAME_COUNT, 24)]):
-            raise Unfit("a view of all")
+            raise NoRoom("a view of all")
         stage.film(rig)
         return trips
 
@@ -145,7 +145,7 @@ def _one_passes(rng: random.Random, kerb_m: float, count: int) -> list[Trip]:
     course = passer.course()
     beside = [f for f, (at, _, _) in enumerate(course) if abs(at - x) < 2 * HALF_LENGTH_M]
     if len(beside) < 20:
-        raise Unfit("time to pass")
+        raise NoRoom("time to pass")
     passer.passes = (0, (beside[0], beside[-1]))
     end = course[-1][0]
     stop = end + 2 * HALF_LENGTH_M + rng.uniform(0.8, 1.4)
@@ -269,14 +269,14 @@ def _refuse(road: Area, courses: Sequence[Sequence[tuple[float, float, float]]])
     for course in courses:
         for pose in course[::8]:
             if any(road.margin(corner) < 0.0 for corner in _corners(pose, 0.0, HALF_WIDTH_M)):
-                raise Unfit("room between the kerbs")
+                raise NoRoom("room between the kerbs")
     for a, b in combinations(courses, 2):
         for frame in range(0, FRAME_COUNT, 4):
             if _meet(
                 _corners(a[frame], GAP_M / 2, 0.5 * (MIRRORS_M + HALF_WIDTH_M)),
                 _corners(b[frame], GAP_M / 2, 0.5 * (MIRRORS_M + HALF_WIDTH_M)),
             ):
-                raise Unfit("room between cars")
+                raise NoRoom("room between cars")
 
 
 def _meet(a: list[Flat], b: list[Flat]) -> bool:

@@ -16,8 +16,8 @@ from ..animals import bodies, playthings, ways
 from ..animals.members import Part, Plan, Planner, Toy, planned
 from ..animals.ways import Way, ahead
 from ..areas import Area, Flat
+from ..errors import NoRoom
 from ..looks import Look
-from ..planning import Unfit
 from . import theme
 
 if TYPE_CHECKING:
@@ -145,7 +145,7 @@ class _Planner(Planner):
         arrive = max(toy.still_from - 4, rng.randint(44, 58)) if not fresh else rng.randint(40, 60)
         leave = arrive - self._frames_for(way)
         if leave < 0 or arrive > 62:
-            raise Unfit("time for a walk to the ball")
+            raise NoRoom("time for a walk to the ball")
         part = _part(way.start, way.heading_deg, "stand")
         self._wait(part, leave)
         part.acts.append(("walk", (leave, arrive), way))
@@ -160,7 +160,7 @@ class _Planner(Planner):
             at = ahead(toy.final, heading, -(REACH_M + toy.radius_m), self._paw_aside())
             if ways.fits(self.area, CAT, at, heading, ignoring):
                 return at, heading
-        raise Unfit("a cat at the ball")
+        raise NoRoom("a cat at the ball")
 
     def _bat(self, part: Part, toy: Toy, first: int, roll_frames: int | None) -> int:
         """A tap across and a stroke that sends it off; returns when the paw is back."""
@@ -182,7 +182,7 @@ class _Planner(Planner):
     def _ball_before(self, toy: Toy, at: Flat, heading: float) -> None:
         toy.at = ahead(at, heading, REACH_M + toy.radius_m, self._paw_aside())
         if not self.area.is_free(toy.at, toy.radius_m + 0.02):
-            raise Unfit("a ball before a cat")
+            raise NoRoom("a ball before a cat")
         self.stay(at, heading)
         self.area.take(toy.at, toy.radius_m + 0.02, owner=self.name(toy))
 
@@ -310,9 +310,12 @@ def _perform(cat: Cat, part: Part, balls: dict[int, Ball | None]) -> None:
             cat.walk_along(about[0].beyond(LEAD_M), frames)
         elif what == "bat":
             toy, taps = about
-            cat.play_with(balls[id(toy)], taps, frames)
+            ball = balls[id(toy)]
+            assert ball is not None
+            cat.play_with(ball, taps, frames)
         elif what == "watch":
             ball = balls[id(about[0])]
+            assert ball is not None
             cat.watch(ball.centres, frames, event_object=ball.instance)
         elif what == "poise":
             cat.poise(frames)

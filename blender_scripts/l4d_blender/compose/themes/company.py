@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..areas import Area, heading_to
+from ..errors import NoRoom
 from ..people import crowd, errands, folk, seated
-from ..people.rehearsal import Misfit
 from ..people.roles import Role
 from . import theme
 
@@ -71,7 +71,7 @@ def _pass_time(group: crowd.Crowd) -> None:
 
         group.send(take_seat)
     if not group.roles:
-        raise Misfit("there is no chair")
+        raise NoRoom("there is no chair")
     for errand in rng.sample((_stroll, _point), 2):
         if len(group.idle) > rng.choice((0, 1)):
             group.send(lambda figure, errand=errand: errand(group, figure))
@@ -95,6 +95,6 @@ def _point(group: crowd.Crowd, figure: folk.Figure) -> Role:
     bearing = heading_to(role.here, target.at)
     role.wait(rng.randint(0, 24))
     if abs((bearing - role.facing + 180) % 360 - 180) > 70:
-        raise Misfit("somebody would point backwards")
+        raise NoRoom("somebody would point backwards")
     role.point_at(lambda: target, target.at, rng.randint(36, 46))
     return role

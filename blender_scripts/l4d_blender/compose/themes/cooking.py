@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from ...timeline import LAST_FRAME
 from ..areas import Area, Flat
+from ..errors import Rejected
 from ..people import cookery, folk
 from ..people.actors import Actor, hire
-from ..stage import Rejected
 from . import theme
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from functools import partial
 from math import cos, radians, sin
 from typing import TYPE_CHECKING
 
@@ -74,7 +75,7 @@ def _plan(stage: Stage, rng: random.Random, table: Area) -> tuple[Area, list[Ite
         verb, noun = what.split()
         start = rng.randint(1, 8) if k == 0 else rng.randint(36, 42)
         deed = Deed(verb, queues[noun].pop(), start, lengths_m=(0.07, 0.15), grip_m=0.034)
-        willing(arms, lambda arm, deed=deed: deed.plan(rng, table, arm))
+        willing(arms, partial(deed.plan, rng, table))
         deeds.append(deed)
     rest_of(rng, table, [*queues["bowl"], *queues["apple"]])
     return table, [*apples, *bowls], deeds, queues["apple"]

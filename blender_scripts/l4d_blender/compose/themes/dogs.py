@@ -16,8 +16,8 @@ from ..animals import bodies, playthings, ways
 from ..animals.members import Part, Plan, Planner, Toy, planned
 from ..animals.ways import Way, ahead
 from ..areas import Area, Flat
+from ..errors import NoRoom
 from ..looks import Look
-from ..planning import Unfit
 from . import theme
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ class _Planner(Planner):
             arrive = rng.randint(earliest, earliest + 8) if toy.still_from else rng.randint(frames, 66)
         leave = arrive - frames
         if leave < 0 or arrive > 84:
-            raise Unfit("time for a run to the ball")
+            raise NoRoom("time for a run to the ball")
         part = _part(
             way.start, way.heading_deg, rng.choice(("stand", "sit")) if leave >= 13 + RISE else "stand"
         )
@@ -147,7 +147,7 @@ class _Planner(Planner):
     def _ball_before(self, toy: Toy, at: Flat, heading: float) -> None:
         toy.at = ahead(at, heading, nudge_reach(toy.radius_m)[1])
         if not self.area.is_free(toy.at, toy.radius_m + 0.02):
-            raise Unfit("a ball before a dog")
+            raise NoRoom("a ball before a dog")
         self.stay(at, heading)
         self.area.take(toy.at, toy.radius_m + 0.02, owner=self.name(toy))
 
@@ -157,7 +157,7 @@ class _Planner(Planner):
             at = ahead(toy.final, heading, -nudge_reach(toy.radius_m)[1])
             if ways.fits(self.area, DOG, at, heading, (self.name(toy), self.owner)):
                 return at, heading
-        raise Unfit("a dog at the ball")
+        raise NoRoom("a dog at the ball")
 
     def _go_somewhere(self) -> None:
         rng = self.rng
@@ -166,7 +166,7 @@ class _Planner(Planner):
         frames = self._frames_for(way, what)
         latest = LAST_FRAME - frames - 4
         if latest < 0:
-            raise Unfit("time for a walk")
+            raise NoRoom("time for a walk")
         leave = rng.randint(0, latest)
         part = _part(
             way.start, way.heading_deg, rng.choice(("stand", "sit", "lie")) if leave >= 13 + RISE else "stand"
@@ -241,7 +241,7 @@ def _part(at: Flat, heading_deg: float, posture: str) -> Part:
 
 
 def _act(stage: Stage, area: Area, cast: list[Look], plan: Plan) -> None:
-    balls = {id(toy): playthings.put(stage, area, toy, k) for k, toy in enumerate(plan.toys)}
+    balls = {id(toy): playthings.put_ball(stage, area, toy, k) for k, toy in enumerate(plan.toys)}
     dogs: list[Dog] = []
     for k, (look, part) in enumerate(zip(cast, plan.parts)):
         dog = bodies.dog(stage, k + 1, look, part)

@@ -12,9 +12,9 @@ from ..animals import bodies, ways
 from ..animals.members import Part, Plan, Planner, planned
 from ..animals.ways import Way, ahead
 from ..areas import Flat, heading_to
+from ..errors import NoRoom
 from ..people import folk
 from ..people.actors import hire
-from ..planning import Unfit
 from . import theme
 
 if TYPE_CHECKING:
@@ -163,7 +163,7 @@ class _Planner(Planner):
             self.parts.append(part)
             self.visits.append(visit)
             return
-        raise Unfit("a place before a dog")
+        raise NoRoom("a place before a dog")
 
     def _pass(self, part: Part, visit: _Visit | None) -> None:
         """What a dog does: it keeps still while a hand is on its head, and may lie down later."""

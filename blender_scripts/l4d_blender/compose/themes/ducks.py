@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import random
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ... import keys
 from ...assets import lake
@@ -17,9 +17,8 @@ from ..animals import bodies, ways
 from ..animals.members import Part, Plan, Planner, planned
 from ..animals.ways import ahead
 from ..areas import Area, Flat, heading_to
+from ..errors import NoRoom, Rejected
 from ..looks import Look
-from ..planning import Unfit
-from ..stage import Rejected
 from . import theme
 
 if TYPE_CHECKING:
@@ -73,7 +72,7 @@ def birds_at_food(stage: Stage) -> None:
     body = DUCK if category == "duck" else GULL
     wanted, tries = rng.random() < 0.7, itertools.count()
 
-    def make(middle: Flat) -> Plan:
+    def make(middle: Flat) -> _FedPlan:
         flies = wanted and next(tries) < 220
         return _Feeders(rng, area, middle, 1.15, body).plan(count, category, flies)
 
@@ -146,7 +145,9 @@ def _food(stage: Stage, area: Area, what: str, at: Flat) -> Prop:
     name = next((noun for noun in nouns if noun not in taken), None)
     if name is None:
         raise Rejected(f"the place has every noun for a {nouns[0]}")
-    colour = {"colour": rng.choice(("blue", "teal", "white", "brown"))} if what == "drink" else {}
+    colour: dict[str, Any] = (
+        {"colour": rng.choice(("blue", "teal", "white", "brown"))} if what == "drink" else {}
+    )
     return stage.landmark(kind, name, at, rng.uniform(-180.0, 180.0), on=area.on, category=name, **colour)
 
 
@@ -190,14 +191,14 @@ def _leave(rng: random.Random, frames: int) -> int:
     """When something that takes so many frames begins: what is before and after is long enough to tell."""
     latest = LAST_FRAME - frames
     if latest < 0:
-        raise Unfit("time for a way")
+        raise NoRoom("time for a way")
     between = range(SHORTEST, latest - SHORTEST)
     choices = [latest if latest >= SHORTEST else None, rng.choice(between) if between else None]
     if latest > SHORTEST:
         choices.append(0)
     fitting = [choice for choice in choices if choice is not None]
     if not fitting:
-        raise Unfit("time for a way")
+        raise NoRoom("time for a way")
     return rng.choice(fitting)
 
 
@@ -226,7 +227,7 @@ class _Feeders(Planner):
         for what, at in self._foods.items():
             room = DISH_RADIUS_M + 0.02 if what == "drink" else 0.22
             if not self.area.is_free(at, room):
-                raise Unfit("a dish")
+                raise NoRoom("a dish")
             self.area.take(at, room, owner=what)
         what = rng.choice(("drink", "eat"))
         other = "eat" if what == "drink" else "drink"
@@ -252,7 +253,7 @@ class _Feeders(Planner):
             at = ahead(food, heading, -(self._reach_m + inside))
             if ways.fits(self.area, self.body, at, heading, (what, self.owner)):
                 return at, heading, ahead(food, heading, -inside)
-        raise Unfit("a bird at the food")
+        raise NoRoom("a bird at the food")
 
     def _feed_first(self, what: str, leaves: bool) -> None:
         rng = self.rng
@@ -271,7 +272,7 @@ class _Feeders(Planner):
             frames = max(20, round(way.length_m / rng.uniform(0.30, 0.40) * FPS))
             begin, end = last + 17, min(last + 17 + frames, LAST_FRAME)
             if end - begin < 20:
-                raise Unfit("time to leave")
+                raise NoRoom("time to leave")
             part.acts.append(("walk", (begin, end), way))
             self.go(way)
             last = end
@@ -297,11 +298,11 @@ class _Feeders(Planner):
             if way is not None:
                 break
         else:
-            raise Unfit("a way to the food")
+            raise NoRoom("a way to the food")
         frames = max(20, round(way.length_m / rng.uniform(0.28, 0.40) * FPS))
         latest = LAST_FRAME - 28 - frames
         if latest < 0:
-            raise Unfit("time to come")
+            raise NoRoom("time to come")
         leave = rng.choice((0, rng.randint(SHORTEST, latest))) if latest > SHORTEST else 0
         part = self._part(way.start, way.heading_deg)
         if leave:
@@ -326,7 +327,7 @@ class _Feeders(Planner):
             ):
                 break
         else:
-            raise Unfit("room to fly")
+            raise NoRoom("room to fly")
         off = rng.randint(UNFOLD, 34)
         touch = off + rng.randint(28, 36)
         first, last = off - UNFOLD, touch + FOLD

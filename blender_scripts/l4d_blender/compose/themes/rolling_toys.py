@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
+from functools import partial
 from math import cos, radians, sin
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,8 @@ from mathutils import Vector
 
 from ...motion.rolling import Round, roll
 from .. import looks
-from ..areas import Area, Flat, NoRoom, retried
+from ..areas import Area, Flat, retried
+from ..errors import NoRoom
 from ..hands.arms import reaches, willing
 from ..hands.closeup import move_in, piece
 from ..hands.handling import Deed, Item, rest_of
@@ -91,7 +93,7 @@ def _plan(stage: Stage, rng: random.Random, table: Area) -> tuple[Area, list[Ite
             deed = Deed("send", item, start, lengths_m=(0.16, 0.30), axle_m=BALL_M, grip_m=BALL_M)
         else:
             deed = Deed("send", item, start, lengths_m=(0.16, 0.30), grip_m=0.034, thing_verb="roll")
-        willing(arms, lambda arm, deed=deed: deed.plan(rng, table, arm))
+        willing(arms, partial(deed.plan, rng, table))
         if deed.verb == "send" and what != "ball":
             item.heading_deg = deed.heading_deg
         deeds.append(deed)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
+from functools import partial
 from math import atan2, degrees
 from typing import TYPE_CHECKING
 
@@ -87,7 +88,7 @@ def _draw_cast(stage: Stage, rng: random.Random, table: Area) -> tuple[Area, lis
     arms = reaches(stage, rng, table)
     for top in sorted(cast, key=lambda t: not t.act.startswith("spun")):
         if top.act.startswith("spun"):
-            top.arm = willing(arms, lambda arm, top=top: _reached(rng, table, arm, top))
+            top.arm = willing(arms, partial(_reached, rng, table, top=top))
         else:
             top.at = table.spot(rng, top.radius_m)
         table.take(top.at, top.radius_m, owner=top.name)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import random
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ... import catalogue
 from ...cameras import Camera
 from .. import looks
-from ..areas import Area, NoRoom, retried
+from ..areas import Area, retried
+from ..errors import NoRoom
 from ..hands.arms import reaches, willing
 from ..hands.graspables import apart
 from ..hands.handling import Item
@@ -76,7 +78,7 @@ def _plan(
             deed: Deed = Lift(free.pop(), start)
         else:
             deed = (Stir if verb == "stir" else PushWithSpoon)(free.pop(), vessels.pop(), start)
-        willing(arms, lambda arm, deed=deed: deed.plan(rng, table, arm))
+        willing(arms, partial(deed.plan, rng, table))
         deeds.append(deed)
     leaning = {}
     middle = deeds[0].spoon.at

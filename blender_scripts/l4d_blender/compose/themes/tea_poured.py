@@ -14,7 +14,8 @@ from ...assets import cup, spoon, tea
 from ...motion.pouring import Drink, Pourer, spout_over
 from ...motion.servers import Server, Stirring
 from .. import looks
-from ..areas import Area, Flat, NoRoom, retried
+from ..areas import Area, Flat, retried
+from ..errors import NoRoom
 from ..hands.arms import Reach, reaches
 from ..looks import Look
 from . import theme
@@ -36,7 +37,7 @@ class Cup:
     name: str
     look: Look
     at: Flat = (0.0, 0.0)
-    drink: Drink | None = None
+    drink: Drink = field(init=False, repr=False, compare=False)
 
 
 @dataclass

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ..areas import retried
+from ..errors import Rejected
 from ..hands import handwork
 from ..hands.graspables import GRASPABLES, Graspable
-from ..stage import Rejected
 from . import theme
 
 if TYPE_CHECKING:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..people import crowd, folk, weights
+from ..people.roles import Item, Role
 from ..people.wares import WARES
 from . import theme
 
@@ -44,8 +45,9 @@ def _train(group: crowd.Crowd) -> None:
         item.disc.base_m[:] = weights.STEP_M
     for latest in (6, 20):
         if len(group.idle) > 1:
-            group.send(
-                lambda *who, latest=latest: weights.train(rng, area, *who, rng.randint(0, latest)),
-                item=group.spare.pop(),
-            )
+
+            def train(figure: folk.Figure, item: Item, latest: int = latest) -> Role:
+                return weights.train(rng, area, figure, item, rng.randint(0, latest))
+
+            group.send(train, item=group.spare.pop())
     group.stand_about(("stretch", "crouch", "bend_down", "stretch"))

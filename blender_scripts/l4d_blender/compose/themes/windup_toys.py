@@ -12,7 +12,8 @@ from mathutils import Vector
 from ...motion.rolling import Roller, Round
 from ...motion.windup_robots import STEP_FRAMES, WindUpRobot
 from .. import looks
-from ..areas import Area, Flat, NoRoom, retried
+from ..areas import Area, Flat, retried
+from ..errors import NoRoom
 from ..hands.arms import Reach, reaches
 from ..looks import Look
 from . import theme

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ...cameras import Camera
 from .. import looks
-from ..areas import Area, NoRoom, retried
+from ..areas import Area, retried
+from ..errors import NoRoom
 from ..hands.arms import reaches, willing
 from ..hands.graspables import GRASPABLES, apart
 from ..hands.handling import Deed
@@ -70,10 +72,11 @@ def _plan(stage: Stage, rng: random.Random, table: Area) -> tuple[_Plan, list[Ca
     covers = apart(rng, cover.options["colour"])
     for k, verb in enumerate(rng.choice(STORIES)):
         deed = _deed(rng, plan, verb, free, covers, _start(rng, k))
-        willing(arms, lambda arm, deed=deed: deed.plan(rng, table, arm))
+        willing(arms, partial(deed.plan, rng, table))
         plan.deeds.append(deed)
     middle = plan.open[0].at
-    below, seat = [deed.arm.name for deed in plan.deeds], stage.seats[0]
+    below = [deed.arm.name for deed in plan.deeds if deed.arm is not None]
+    seat = stage.seats[0]
     for _ in range(rng.choice((1, 2)) - len(plan.shut)):
         book = _shut(rng, plan, covers)
         try:
