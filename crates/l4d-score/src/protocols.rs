@@ -15,9 +15,11 @@ mod four_d_langsplat;
 mod gaussian_grouping;
 mod langsplat;
 mod mevis;
+mod r4d;
 mod record;
 mod run;
 mod sheet;
+mod votsr;
 
 use serde::{Deserialize, Serialize};
 
@@ -59,6 +61,10 @@ pub enum Protocol {
     Mevis,
     /// Gaussian Grouping, `script/eval_lerf_mask.py`.
     GaussianGrouping,
+    /// R4D-Bench-QA, `scripts/evaluate_ours_benchmark.py`.
+    R4d,
+    /// VOTS 2026, the referral challenge, `vot/analysis/referral.py`.
+    Votsr,
 }
 
 /// A number that a source reports.
@@ -110,8 +116,15 @@ pub struct Rules {
 
 impl Protocol {
     /// All of them, in the order of the documentation.
-    pub const ALL: [Self; 5] =
-        [Self::LangSplat, Self::FourDLangSplat, Self::Davis, Self::Mevis, Self::GaussianGrouping];
+    pub const ALL: [Self; 7] = [
+        Self::LangSplat,
+        Self::FourDLangSplat,
+        Self::Davis,
+        Self::Mevis,
+        Self::GaussianGrouping,
+        Self::R4d,
+        Self::Votsr,
+    ];
 
     /// What tells it from the others.
     pub fn rules(self) -> &'static Rules {
@@ -121,6 +134,8 @@ impl Protocol {
             Self::Davis => &davis::RULES,
             Self::Mevis => &mevis::RULES,
             Self::GaussianGrouping => &gaussian_grouping::RULES,
+            Self::R4d => &r4d::RULES,
+            Self::Votsr => &votsr::RULES,
         }
     }
 

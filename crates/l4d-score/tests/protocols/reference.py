@@ -204,6 +204,43 @@ def mevis(clips):
     return {"j_and_f": (j + f) / 2, "j": j, "f": f}
 
 
+def r4d(clips):
+    """Time codes are positions in the clip; the loop is that of the source."""
+    rows = []
+    for seen, *_ in clips:
+        rendered = [place for place, frame in enumerate(seen) if not frame.is_missing]
+        if not rendered:
+            continue
+        masks = [place for place, frame in enumerate(seen) if frame.target.any()]
+        there = set(range(min(masks), max(masks) + 1)) if masks else set()
+        active = {place for place in rendered if seen[place].predicted.any()}
+        acc = sum((place in active) == (place in there) for place in rendered) / len(rendered)
+        union = len(active | there)
+        tiou = len(active & there) / union if union else 1.0
+        total = 0.0
+        for place in masks:
+            before = [other for other in rendered if other <= place]
+            after = [other for other in rendered if other >= place]
+            ends = before[-1:] + after[:1]
+            nearest = min(ends, key=lambda other: (abs(other - place), other))
+            if nearest in active:
+                total += iou(seen[nearest].predicted, seen[place].target)
+        viou = total / len(masks) if masks else float(union == 0)
+        rows.append((acc, viou, tiou))
+    return dict(zip(("acc", "viou", "tiou"), map(float, np.mean(rows, axis=0))))
+
+
+def votsr(clips):
+    sequences = []
+    for seen, *_ in clips:
+        overlaps = []
+        for frame in seen:
+            truth, said = frame.target.any(), frame.predicted.any()
+            overlaps.append(1.0 if not truth and not said else iou(frame.predicted, frame.target) if truth and said else 0.0)
+        sequences.append((np.mean(overlaps), len(seen)))
+    return {"accuracy": float(sum(value * length for value, length in sequences) / sum(n for _, n in sequences))}
+
+
 def clips_of(scene):
     shape = scene["height"], scene["width"]
     is_answered = any(query["answers"] for query in scene["queries"])
@@ -230,6 +267,8 @@ def main():
         "davis": davis(pooled),
         "mevis": mevis(pooled),
         "gaussian-grouping": by_scene(scenes, gaussian_grouping),
+        "r4d": r4d(pooled),
+        "votsr": votsr(pooled),
     }
     for scene in scenes:
         scene["queries"] = [written(query) for query in scene["queries"]]
