@@ -98,7 +98,7 @@ fn consensus_is_compared_query_by_query_for_each_correlation() {
     assert_eq!((record(), dir.read(&format!("{folder}/mvsc.csv"))), (before, table));
     // Other errors are not mixed in.
     dir.write("noise.toml", NOISE.replace("0.4", "0.1"));
-    dir.refuses(&grid, &["w/o MVSC, rho 0", "with other settings", "--overwrite"]);
+    dir.refuses(&grid, &["w/o MVSC, rho 0", "with other settings", "--force"]);
 }
 
 #[test]

@@ -136,12 +136,12 @@ fn asked_next(dir: &Dir, name: &str, more: &str) -> BTreeSet<QueryId> {
 }
 
 fn verdict(dir: &Dir, round: &str) -> Value {
-    dir.json(format!("verdict --round {round}"))
+    dir.json(format!("verdict {round}"))
 }
 
 /// `verdict --check` of a round.
 fn check(dir: &Dir, round: &str) -> Run {
-    dir.run(format!("verdict --round {round} --check"))
+    dir.run(format!("verdict {round} --check"))
 }
 
 #[test]
@@ -227,8 +227,8 @@ fn a_verdict_waits_until_all_have_sealed() {
     ballot.record(&first, choose(right(&key, &first)), ShownFrames::default(), Duration::ZERO).unwrap();
     drop(ballot);
 
-    dir.refuses("verdict --round pilot", &["not sealed yet: eve"]);
-    let look = dir.succeed("verdict --round pilot --unsealed");
+    dir.refuses("verdict pilot", &["not sealed yet: eve"]);
+    let look = dir.succeed("verdict pilot --unsealed");
     let fits = look.stdout.lines().all(|line| line.chars().count() <= 100);
     assert!(look.stdout.starts_with("Only a look") && fits, "{look}");
     for file in ["verdicts.csv", "agreement.json", "refine.jsonl"] {
@@ -271,7 +271,7 @@ fn no_second_panel_overrules_a_rejection_of_the_same_words() {
     panel_votes(&dir, "second", "", &BTreeMap::new());
     for _ in 0..2 {
         for round in ["first", "second"] {
-            dir.succeed(format!("verdict --round {round}"));
+            dir.succeed(format!("verdict {round}"));
             assert_eq!(statuses(&dir)[&query], Status::Rejected, "after {round}");
         }
     }
@@ -286,7 +286,7 @@ fn programs_verify_nothing() {
     let untouched = query_files(&dir);
     let (item, query) = queries(&key)[0].clone();
     panel_votes(&dir, "play", "ada", &BTreeMap::from([(item, choose(Choice::None))]));
-    let run = dir.succeed("verdict --round play");
+    let run = dir.succeed("verdict play");
     assert!(run.stdout.starts_with("SIMULATED"), "{run}");
     run.says(0, &["no query has another status"]);
     assert!(dir.path("annotation/rounds/play/verdicts.csv").exists());
@@ -303,7 +303,7 @@ fn derived_files_and_statuses_are_checked_to_the_byte() {
     let (_, _, key) = opened(&dir, "pilot", "--sample 6");
     panel_votes(&dir, "pilot", "", &BTreeMap::new());
     check(&dir, "pilot").says(1, &["error[L4D530]"]);
-    dir.succeed("verdict --round pilot");
+    dir.succeed("verdict pilot");
     check(&dir, "pilot").says(0, &[]);
 
     let table = dir.read("annotation/rounds/pilot/verdicts.csv");
@@ -329,7 +329,7 @@ fn rounds_that_cannot_be_opened_say_why() {
         open_round(&dir, "r", more).refused(&[message]);
     }
     dir.refuses("open-round r --annotators ada,ben", &["annotators"]);
-    dir.refuses("verdict --round nowhere", &["there is no such round"]);
+    dir.refuses("verdict nowhere", &["there is no such round"]);
     open_round(&dir, "../r", "").says(2, &["is not a name"]);
     assert!(!dir.path("annotation").exists());
 
@@ -341,8 +341,8 @@ fn rounds_that_cannot_be_opened_say_why() {
     assert!(unknown.to_string().contains("zoe") && unknown.hint().contains("ada"), "{unknown}");
     vote(&dir, "r", "ada", &BTreeMap::new());
     open_round(&dir, "r", "--force").refused(&["people have voted in this round"]);
-    dir.refuses("verify-prompts --round nowhere --as ada", &["there is no such round"]);
-    dir.refuses("verify-prompts --round r --as zoe", &["zoe"]);
+    dir.refuses("verify-prompts nowhere --as ada", &["there is no such round"]);
+    dir.refuses("verify-prompts r --as zoe", &["zoe"]);
 }
 
 #[test]

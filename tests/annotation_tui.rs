@@ -27,21 +27,19 @@ impl Desk {
     fn new() -> Self {
         let dir = data::dir();
         let annotators = PANEL.join(",");
-        let shares = "--sample 18 --gold 0.2 --repeats 0.1 --views 3 --simulated";
+        let shares = "--sample 18 --gold 0.2 --repeats 0.1 --view-count 3 --simulated";
         dir.succeed(format!("open-round r1 --profile tiny --annotators {annotators} {shares}"));
         Self { dir, tmux: Tmux::new() }
     }
 
     fn round(&self) -> (RoundDir, Round) {
-        let dir = RoundDir::new(self.dir.path("annotation/rounds/r1"));
-        let round = Round::open(&dir).unwrap();
-        (dir, round)
+        round_of(&self.dir)
     }
 
     /// The command of an annotator, for a shell.
     fn command(&self, annotator: &str) -> String {
         let l4d = env!("CARGO_BIN_EXE_l4d");
-        format!("{l4d} verify-prompts --round r1 --as {annotator} --picture halfblocks")
+        format!("{l4d} verify-prompts r1 --as {annotator} --picture halfblocks")
     }
 
     /// Opens the screen of an annotator; the terminal's process is the program itself.
@@ -65,32 +63,9 @@ impl Desk {
         ballot.order().iter().filter(|item| ballot.response(item).unwrap().answer.is_some()).count()
     }
 
-    /// The keys that answer each item rightly, for one annotator.
-    fn right_keys(&self, annotator: &str) -> BTreeMap<ItemId, String> {
-        let (dir, round) = self.round();
-        let key = Key::read(&dir, &round).unwrap();
-        let annotator = Name::new(annotator).unwrap();
-        let scenes = l4d_annotate::scene::load(&self.dir.path("data/tiny"), &round, &annotator).unwrap();
-        let keys = |item: &l4d_votes::Item| {
-            let card = &scenes[&item.scene];
-            let mut source = key.source(&item.id).unwrap();
-            while let ItemSource::Repeat { of } = source {
-                source = key.source(of).unwrap();
-            }
-            match source {
-                ItemSource::Query { meaning, .. } => {
-                    meaning.referents.iter().map(|name| card.number_of(name).unwrap().to_string()).collect()
-                }
-                ItemSource::Absent { .. } => "n".to_owned(),
-                _ => "a".to_owned(),
-            }
-        };
-        round.items.iter().map(|item| (item.id.clone(), keys(item))).collect()
-    }
-
     /// Answers every item by keys, as they come.
     fn vote(&self, annotator: &str) {
-        let right = self.right_keys(annotator);
+        let right = right_keys(&self.dir, annotator);
         let mut screen = self.tmux.screen(annotator);
         for turn in 0.. {
             let Some(item) = item_on(&screen) else { break };
@@ -114,6 +89,36 @@ impl Desk {
         }
         seal(&self.tmux, annotator);
     }
+}
+
+/// The round `r1` of a folder.
+pub(crate) fn round_of(folder: &Dir) -> (RoundDir, Round) {
+    let dir = RoundDir::new(folder.path("annotation/rounds/r1"));
+    let round = Round::open(&dir).unwrap();
+    (dir, round)
+}
+
+/// The keys that answer each item rightly, for one annotator.
+pub(crate) fn right_keys(folder: &Dir, annotator: &str) -> BTreeMap<ItemId, String> {
+    let (dir, round) = round_of(folder);
+    let key = Key::read(&dir, &round).unwrap();
+    let annotator = Name::new(annotator).unwrap();
+    let scenes = l4d_annotate::scene::load(&folder.path("data/tiny"), &round, &annotator).unwrap();
+    let keys = |item: &l4d_votes::Item| {
+        let card = &scenes[&item.scene];
+        let mut source = key.source(&item.id).unwrap();
+        while let ItemSource::Repeat { of } = source {
+            source = key.source(of).unwrap();
+        }
+        match source {
+            ItemSource::Query { meaning, .. } => {
+                meaning.referents.iter().map(|name| card.number_of(name).unwrap().to_string()).collect()
+            }
+            ItemSource::Absent { .. } => "n".to_owned(),
+            _ => "a".to_owned(),
+        }
+    };
+    round.items.iter().map(|item| (item.id.clone(), keys(item))).collect()
 }
 
 /// Seals the ballot from the summary on, and leaves.
@@ -163,7 +168,7 @@ fn five_annotators_complete_a_round_by_keys_alone() {
         assert_eq!(desk.answered(annotator), round.items.len());
     }
     // Five people who saw different numbers meant the same objects.
-    let verdict = desk.dir.json("verdict --round r1");
+    let verdict = desk.dir.json("verdict r1");
     assert_eq!(verdict["outcomes"]["valid"].as_u64(), Some(18), "{verdict:#}");
 }
 
@@ -288,14 +293,14 @@ fn what_cannot_work_is_refused_before_the_terminal_is_touched() {
         run.refused(parts);
         assert!(!run.stdout.contains('\u{1b}'), "{run}");
     };
-    refused("--round r9 --as ada", &["no such round", "r1"]);
-    refused("--round r1 --as mallory", &["ada"]);
+    refused("r9 --as ada", &["no such round", "r1"]);
+    refused("r1 --as mallory", &["ada"]);
     // Missing pictures: the command that makes them is named.
     std::fs::remove_file(frame_of(&desk, "tabletop_mouse_cups")).unwrap();
     desk.dir.remove("data/tiny/room_office");
     let hint = "l4d build-scenes --profile tiny --scenes room_office,tabletop_mouse_cups";
     let missing = ["tabletop_mouse_cups lacks 1 picture", "room_office is not rendered", hint];
-    refused("--round r1 --as ada", &missing);
+    refused("r1 --as ada", &missing);
 }
 
 fn frame_of(desk: &Desk, scene: &str) -> PathBuf {
@@ -324,7 +329,7 @@ fn people_verify_prompts_on_the_pictures_of_a_capture() {
     dir.succeed(format!("{round} --bench captures --profile real"));
     let tmux = Tmux::new();
     let command =
-        format!("exec {} verify-prompts --round r1 --as ada --picture halfblocks", env!("CARGO_BIN_EXE_l4d"));
+        format!("exec {} verify-prompts r1 --as ada --picture halfblocks", env!("CARGO_BIN_EXE_l4d"));
     tmux.start("ada", (100, 30), dir.path("").as_path(), &command);
     // Two objects under numbers drawn by lot: taking the first for both is right once.
     let screen = tmux.wait("ada", "the picture", |screen| screen.contains("q000"));
@@ -336,7 +341,7 @@ fn people_verify_prompts_on_the_pictures_of_a_capture() {
     tmux.wait("ada", "the summary", |screen| screen.contains("items:"));
     seal(&tmux, "ada");
     // One of the two is number 1: exactly one of the queries is understood.
-    let outcomes = dir.json("verdict --round r1 --bench captures")["outcomes"].clone();
+    let outcomes = dir.json("verdict r1 --bench captures")["outcomes"].clone();
     assert_eq!([&outcomes["valid"], &outcomes["rejected"]], [1, 1]);
     let queries = dir.read("captures/queries/table.jsonl");
     assert_eq!(
@@ -346,6 +351,6 @@ fn people_verify_prompts_on_the_pictures_of_a_capture() {
     );
     // Drawing the masks anew is another scene: votes on the old one do not count.
     dir.edit("captures/truth/real/table.json", "\"variant\":0", "\"variant\":1");
-    let check = dir.run("verdict --round r1 --bench captures --check");
+    let check = dir.run("verdict r1 --bench captures --check");
     check.says(1, &["L4D531", "it is candidate"]);
 }

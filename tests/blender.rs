@@ -221,7 +221,7 @@ impl Build {
 
         let refused = build(&self.data, &self.bench, &["--samples", "2"]).output().unwrap();
         assert_eq!(refused.status.code(), Some(2));
-        assert!(String::from_utf8_lossy(&refused.stderr).contains("--overwrite"), "{refused:?}");
+        assert!(String::from_utf8_lossy(&refused.stderr).contains("--force"), "{refused:?}");
     }
 }
 

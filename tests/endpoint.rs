@@ -22,7 +22,7 @@ const KEY: &str = "sk-canary/7Yq+0123456789";
 
 /// A command line about a server: `check` or `calibrate` and more.
 fn endpoint(server: &str, line: &str) -> String {
-    format!("endpoint {line} --base-url {server} --model tiny")
+    format!("endpoint {line} --base-url {server} --vlm tiny")
 }
 
 /// Demands these states of `check --json`.
@@ -64,9 +64,9 @@ fn an_endpoint_that_is_not_named_or_not_sound_is_refused() {
     dir.write("bad.toml", "base_url = \"http://localhost:1/v1\"\nmodel = \"m\"\napi_key = \"sk-canary\"\n");
     for (more, words) in [
         ("", "--base-url"),
-        ("--base-url http://me:sk-canary@h/v1 --model m", "user name or password"),
-        ("--base-url http://h/v1 --model m --api-key-env sk-canary", "never the key"),
-        ("--base-url http://h/v1 --model m --server vlm", "llama-cpp"),
+        ("--base-url http://me:sk-canary@h/v1 --vlm m", "user name or password"),
+        ("--base-url http://h/v1 --vlm m --api-key-env sk-canary", "never the key"),
+        ("--base-url http://h/v1 --vlm m --server vlm", "llama-cpp"),
         ("--endpoint bad.toml", "unknown field"),
         ("--link replay:nowhere", "nowhere/endpoint.json"),
     ] {
@@ -344,7 +344,7 @@ fn a_real_server_of_transformers() {
     replayed.origin = Origin::Server;
     assert_eq!(replayed, reply);
 
-    let check = format!("endpoint check --base-url {} --model {model}", server.base_url);
+    let check = format!("endpoint check --base-url {} --vlm {model}", server.base_url);
     let document = dir.json(format!("{check} --server transformers"));
     let states = [("chat", "unclear"), ("usage", "ok"), ("schema", "lacking"), ("picture", "unclear")];
     expect_states(&document, &states);

@@ -54,7 +54,7 @@ fn difference(dir: &Dir, reader: &str, clips: &str) -> (u8, f64) {
 fn models_trained_on_exports_are_drawn_as_their_originals_draw_them() {
     let dir = folder();
     for reader in ["panoptic", "dynerf"] {
-        let run = dir.succeed(format!("{RENDER} --model output/{reader} --out {reader}"));
+        let run = dir.succeed(format!("{RENDER} --splats output/{reader} --out {reader}"));
         let (largest, mean) = difference(&dir, reader, reader);
         assert!(largest <= 1 && mean <= 1e-3, "{reader}: {largest} of 255, mean {mean}\n{run}");
         assert!(run.stderr.contains(&format!("data/{reader}/l4d-export.json")), "{run}");
@@ -72,7 +72,7 @@ fn splats_of_nerfstudio_are_drawn_as_gsplat_draws_them() {
     let dir = folder();
     let splats = "output/panoptic/point_cloud/iteration_14000/point_cloud.ply";
     dir.succeed(format!(
-        "render-splats wall --profile tiny --views cam01 --frames 0 --model {splats} --out splats"
+        "render-splats wall --profile tiny --views cam01 --frames 0 --splats {splats} --out splats"
     ));
     let differences = differences(dir.path("splats/cam01/0000.png"), data().join("gsplat.png"));
     let mean = differences.iter().map(|one| f64::from(*one)).sum::<f64>() / differences.len() as f64 / 255.0;
@@ -85,7 +85,7 @@ fn splats_of_nerfstudio_are_drawn_as_gsplat_draws_them() {
 fn what_a_model_does_not_say_is_asked_for() {
     let dir = folder();
     dir.rename("data/panoptic", "elsewhere");
-    let stray = format!("{RENDER} --model output/panoptic");
+    let stray = format!("{RENDER} --splats output/panoptic");
     dir.refuses(format!("{stray} --out asked"), &["nothing says at which times", "--reader panoptic"]);
     assert!(!dir.path("asked").exists());
     dir.refuses("query wall 'the red ball' --profile tiny --splats output/panoptic", &["--reader panoptic"]);
@@ -105,7 +105,7 @@ fn what_a_model_does_not_say_is_asked_for() {
     dir.remove("output/panoptic/l4d-export.json");
     let by_hand = "--times 0,0.44444445,0.8888889 --sh-degree 0 --background black";
     dir.succeed(format!(
-        "render-splats wall --profile tiny --views cam01 --model output/panoptic {by_hand} --out hand"
+        "render-splats wall --profile tiny --views cam01 --splats output/panoptic {by_hand} --out hand"
     ));
     for (time, frame) in ["t0.000000", "t0.444444", "t0.888889"].into_iter().zip(FRAMES) {
         assert_eq!(
@@ -123,7 +123,7 @@ fn latents_of_4d_langsplat_are_blended_like_colours() {
         &dir.path("output/language"),
     );
     let render = format!("{RENDER} --reader dynerf --language");
-    dir.succeed(format!("{render} --model output/language --out language"));
+    dir.succeed(format!("{render} --splats output/language --out language"));
     let latents = npy::decode::<f32>(&dir.bytes("language/language/cam01/00002.npy")).unwrap();
     let latents = latents.into_numbers().unwrap();
     assert_eq!(latents.shape, [96, 128, 2]);
@@ -131,7 +131,7 @@ fn latents_of_4d_langsplat_are_blended_like_colours() {
     // No latent is longer than what is filled of its pixel.
     let longest = latents.data.as_chunks::<2>().0.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f32::max);
     assert!(longest <= 1.0 + 1e-5, "{longest}");
-    let without = format!("{render} --model output/dynerf --out none");
+    let without = format!("{render} --splats output/dynerf --out none");
     dir.refuses(without, &["the model has no language features", "fine-lang-discrete"]);
     assert!(!dir.path("none").exists());
 }
@@ -142,7 +142,7 @@ fn moments_that_a_model_did_not_see_are_not_made_up() {
     dir.remove("data/panoptic");
     dir.succeed("export wall --profile tiny --format 4dgaussians --frames 24,36,48 --out data/panoptic");
     let render =
-        |more: &str| dir.run(format!("render-splats wall --profile tiny --model output/panoptic {more}"));
+        |more: &str| dir.run(format!("render-splats wall --profile tiny --splats output/panoptic {more}"));
     render("--frames 24,40,48 --out seen").says(0, &[]);
     render("--frames 60 --out beyond").says(2, &["saw the clip from 0.25 to 0.5 alone"]);
     render("--out whole").says(2, &["saw the clip from 0.25 to 0.5 alone"]);

@@ -41,7 +41,7 @@ pub(crate) static VERBS: [Verb; 18] = [
     quick("import-scene", interop::shelf, interop::IMPORT),
     quick("import", originals::folder, "import mevis theirs --profile tiny"),
     quick("open-round", annotation::bench, annotation::OPEN),
-    quick("verdict", annotation::voted, "verdict --round pilot"),
+    quick("verdict", annotation::voted, "verdict pilot"),
     quick("propose-prompts", proposing::taped_prompts, proposing::PROMPTS_AGAIN),
     quick("propose-scenes", proposing::taped_scenes, proposing::SCENES_AGAIN),
     quick("host", hosting::bench, hosting::HOST),
@@ -55,7 +55,7 @@ pub(crate) static VERBS: [Verb; 18] = [
         releasing::published,
         "download release/two-0.1.0 --bench there/benchmark --data there/data --work there/work",
     ),
-    verb("stats", releasing::rendered, "stats --profile tiny --output stats"),
+    verb("stats", releasing::rendered, "stats --profile tiny --out stats"),
     verb("train-splats", splats::scene, TRAIN),
     verb(
         "render-splats",
@@ -207,14 +207,14 @@ fn cramped(dir: &Dir, line: &str) -> Run {
 #[test]
 fn what_cannot_be_written_is_refused_with_file_and_hint() {
     let dir = releasing::rendered();
-    cramped(&dir, "stats --profile tiny --output stats").refused(&["stats/", "cannot write"]);
+    cramped(&dir, "stats --profile tiny --out stats").refused(&["stats/", "cannot write"]);
     let line = format!("exec {} stats --profile tiny > /dev/full", env!("CARGO_BIN_EXE_l4d"));
     let full: Run = Command::new("sh").args(["-c", &line]).current_dir(dir.path("")).output().unwrap().into();
     full.refused(&["standard output: cannot write", "disk"]);
     dir.write("file", "");
     let long = "a".repeat(300);
     for out in ["file", "file/deeper", &long, &format!("there/{long}")] {
-        for verb in ["stats --profile tiny --output", &format!("{} --out", releasing::MAKE)] {
+        for verb in ["stats --profile tiny --out", &format!("{} --out", releasing::MAKE)] {
             dir.refuses(format!("{verb} {out}"), &[out]);
         }
     }

@@ -71,7 +71,7 @@ fn masks_that_are_not_those_that_were_scored_are_told() {
 #[test]
 fn scores_become_a_document_tables_and_figures() {
     let dir = made().copy();
-    let run = dir.succeed(format!("{LEADERBOARD} --html --output again"));
+    let run = dir.succeed(format!("{LEADERBOARD} --html --out again"));
     let line = "Discs 0.1.0 · protocol l4d · profile tiny · 8 queries, 2 verified by people, 2 rejected\n";
     assert!(run.stdout.starts_with(line), "{run}");
     assert!(run.stdout.lines().all(|line| line.chars().count() <= 100), "{run}");

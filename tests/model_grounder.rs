@@ -147,7 +147,7 @@ mod python {
         let kinds: Vec<_> = kinds.filter(|path| path.is_dir()).collect();
         assert_eq!(kinds.len(), 1);
         assert!(kinds[0].join("complete").is_file() && kinds[0].join("bin/python").exists());
-        let again = dir.succeed(format!("{SOLVE} --overwrite"));
+        let again = dir.succeed(format!("{SOLVE} --force"));
         assert!(!again.stderr.contains("making"), "{}", again.stderr);
     }
 }

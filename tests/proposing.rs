@@ -18,7 +18,7 @@ use crate::support::Dir;
 
 /// Proposals from what [`taped_prompts`] and [`taped_scenes`] recorded.
 pub(crate) const PROMPTS_AGAIN: &str = "propose-prompts --profile tiny --endpoint endpoint.toml --frames 2 \
-     --training-views 0 --link replay:tape --out proposals";
+     --view-count 0 --link replay:tape --out proposals";
 pub(crate) const SCENES_AGAIN: &str =
     "propose-scenes --endpoint endpoint.toml --scales room --link replay:tape --out scenarios";
 

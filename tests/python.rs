@@ -104,7 +104,7 @@ fn an_installed_program_finds_what_came_with_it() {
     for line in [
         "build-scenes --scenes room_kitchen --update-benchmark",
         "build-scenes --scenes room_kitchen --profile full",
-        "verdict --round demo",
+        "verdict demo",
     ] {
         run(&program, line).refused(&["was installed with l4d and is not written to", "cp -r "]);
     }

@@ -211,7 +211,7 @@ fn one_sentence_is_answered_without_masks_and_without_a_benchmark() {
     dir.remove("captures");
     dir.remove("data/captures/twins/masks.json");
     let query = "query twins 'The ball that rolls' --out asked --profile real";
-    let document = dir.json(format!("{query} --from 4 --to 8 --camera cam00,cam02"));
+    let document = dir.json(format!("{query} --from 4 --to 8 --views cam00,cam02"));
     let frames: Vec<&String> = document["frames"]["cam02"].as_object().unwrap().keys().collect();
     assert_eq!(frames, ["0004", "0005", "0006", "0007", "0008"]);
     assert!(dir.path("asked/sheet.png").exists() && dir.path("asked/masks/cam00/0006.png").exists());

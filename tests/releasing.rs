@@ -251,7 +251,7 @@ fn only_votes_of_people_make_a_query_verified() {
     // Programs verify nothing, however well they vote.
     opened(&dir, "robots", "--simulated");
     panel_votes(&dir, "robots", "", &BTreeMap::new());
-    dir.succeed("verdict --round robots");
+    dir.succeed("verdict robots");
     released(&dir, "");
     assert!(!dir.path(format!("{RELEASE}/archives/annotation.tar")).exists());
     let sheet = dir.read(&format!("{RELEASE}/DATASHEET.md"));
@@ -262,7 +262,7 @@ fn only_votes_of_people_make_a_query_verified() {
     opened(&dir, "people", "");
     panel_votes(&dir, "people", "", &BTreeMap::new());
     release(&dir, "").says(1, &["by the votes of people it is verified"]);
-    dir.succeed("verdict --round people");
+    dir.succeed("verdict people");
     released(&dir, "").says(0, &["scored queries are verified by people, 0 were rejected"]);
     let rounds = dir.value(&format!("{RELEASE}/release.json"))["rounds"].clone();
     assert_eq!([&rounds[0]["rule"], &rounds[0]["annotators"]], [&json!("unanimous:5"), &json!(5)]);
@@ -272,7 +272,7 @@ fn only_votes_of_people_make_a_query_verified() {
     assert_eq!(dir.read(&format!("elsewhere/{votes}")), dir.read(votes));
     // Who unpacks it can count again.
     let at = "--bench elsewhere/benchmark --rounds elsewhere/annotation/rounds";
-    dir.succeed(format!("verdict --round people --check {at}"));
+    dir.succeed(format!("verdict people --check {at}"));
 }
 
 #[test]

@@ -13,7 +13,7 @@ const FEW: usize = 5;
 
 /// Verbs that are not among those that are killed.
 static MORE: [Verb; 5] = [
-    verb("sheet", interop::folder, "sheet wall --profile tiny --views cam00 --output drawn/wall.png"),
+    verb("sheet", interop::folder, "sheet wall --profile tiny --views cam00 --out drawn/wall.png"),
     verb(
         "query",
         solving::world,

@@ -87,9 +87,9 @@ fn what_the_training_views_show_becomes_masks_of_the_held_out_one() {
     let before = record();
     dir.succeed(format!("{SOLVE} --grounder oracle"));
     assert_eq!(record(), before);
-    let other = format!("{SOLVE} --grounder oracle --views 3 --queries ball/001 --name {METHOD}");
-    dir.refuses(&other, &["with other settings", "--overwrite"]);
-    dir.succeed(format!("{other} --overwrite"));
+    let other = format!("{SOLVE} --grounder oracle --view-count 3 --queries ball/001 --name {METHOD}");
+    dir.refuses(&other, &["with other settings", "--force"]);
+    dir.succeed(format!("{other} --force"));
     assert_ne!(record(), before);
 }
 
@@ -117,7 +117,7 @@ fn views_that_do_not_answer_are_named_and_asked_again() {
     let half = dir.read(&format!("results/half/masks/{SCENE}/002.json"));
     assert!(half.contains("\"0048\":\""), "two views that agree are enough: {half}");
     write_masks(&dir, "002", &[("cam01", 2), ("cam02", 2)]);
-    let run = dir.succeed(format!("{files} --overwrite"));
+    let run = dir.succeed(format!("{files} --force"));
     run.says(0, &["views: 4 found"]);
     assert!(!run.stderr.contains("did not answer"), "{run}");
 }
@@ -142,7 +142,7 @@ fn a_sentence_is_answered_from_any_camera_at_any_time() {
         mask.and_count(&truth) as f64 / mask.or_count(&truth) as f64 > 0.7
     };
     assert!(is_close("asked/masks/cam04/0048.png", "cam04"));
-    let document = dir.json(format!("{QUERY} --camera cam01,cam02 --time 0.5,0.3 --out elsewhere"));
+    let document = dir.json(format!("{QUERY} --views cam01,cam02 --times 0.5,0.3 --out elsewhere"));
     let answer = &document["answer"];
     assert_eq!((&document["decision"], &answer["status"]), (&json!("reliable"), &json!("answered")));
     assert!(answer["message"].as_str().unwrap().starts_with("answer: seen in 4 of 4 frames"), "{answer}");
@@ -169,7 +169,7 @@ fn what_cannot_be_answered_is_refused() {
     }
     dir.refuses(format!("{SOLVE} --grounder files --masks made --noise x.toml"), &["--noise"]);
     for (more, parts) in [
-        ("--camera cam99", &["no camera `cam99`", "cam00"][..]),
+        ("--views cam99", &["no camera `cam99`", "cam00"][..]),
         ("--from 60 --to 20", &["--from, --to"]),
         ("--from 1 --to 5", &["no moment"]),
     ] {
@@ -289,7 +289,7 @@ fn options_of_another_grounder_are_refused() {
     let strays = [
         ("--endpoint none.toml", "model"),
         ("--base-url http://localhost:1", "model"),
-        ("--model some-model", "model"),
+        ("--vlm some-model", "model"),
         ("--api-key-env KEY", "model"),
         ("--server vllm", "model"),
         ("--link record:kept", "model"),

@@ -58,7 +58,7 @@ fn what_is_learned_does_not_change_when_the_held_out_pictures_do() {
     assert!(compared.iter().all(|path| path.starts_with("frames/cam04/")), "{compared:?}");
     let before = tensors(&dir, SPLATS);
     world::blacken(&dir.path("data"), "cam04");
-    dir.succeed(format!("{TRAIN} {SHORT} --overwrite"));
+    dir.succeed(format!("{TRAIN} {SHORT} --force"));
     assert_eq!(tensors(&dir, SPLATS), before);
 }
 
@@ -111,11 +111,11 @@ fn a_folder_with_another_model_is_left_alone() {
     let dir = scene();
     dir.succeed(format!("{TRAIN} {FEW}"));
     let before = dir.read(&format!("{SPLATS}/checkpoint.json"));
-    train(&dir, &format!("{FEW} --seed 7")).refused(&["`seed` was 0 and is 7 now", "--overwrite"]);
+    train(&dir, &format!("{FEW} --seed 7")).refused(&["`seed` was 0 and is 7 now", "--force"]);
     assert_eq!(dir.read(&format!("{SPLATS}/checkpoint.json")), before);
     world::blacken(&dir.path("data"), "cam01");
-    train(&dir, FEW).refused(&["frames/cam01/0000.exr has changed", "--overwrite"]);
-    dir.succeed(format!("{TRAIN} {FEW} --seed 7 --overwrite"));
+    train(&dir, FEW).refused(&["frames/cam01/0000.exr has changed", "--force"]);
+    dir.succeed(format!("{TRAIN} {FEW} --seed 7 --force"));
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn training_ends_with_the_track_of_its_model() {
     assert_eq!((&manifest["saw_depth"], &manifest["track"]), (&json!(false), &json!("colour")));
     // One that was shown depth is not passed off as one that was not.
     dir.edit("blind/checkpoint.json", "\"saw_depth\": false", "\"saw_depth\": true");
-    dir.refuses(&blind, &["it was shown depth", "--overwrite"]);
+    dir.refuses(&blind, &["it was shown depth", "--force"]);
 }
 
 #[test]

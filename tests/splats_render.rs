@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
+use std::process::Command;
 
 use glam::UVec2;
 use half::f16;
@@ -15,9 +16,9 @@ use l4d_splat::model::{Model, time_of_frame};
 use l4d_splat::raster::{Cpu, Drawing, RasterSettings, Rasterizer as _};
 use l4d_splat::synthetic::Room;
 use l4d_splat::view::View;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use crate::support::{Dir, Run};
+use crate::support::{Dir, Run, blender_python, succeed};
 
 const SIZE: [u32; 2] = [128, 96];
 const CLIPS: &str = "work/tiny/room/clips";
@@ -101,7 +102,7 @@ fn each_family_is_drawn_from_its_own_near_plane() {
     dir.write("3dgs.ply", &of_3dgs);
     dir.write("nerfstudio.ply", [first_line, &comments[..], rest].concat());
     let shows = |name: &str, more: &str| {
-        let line = format!("--model {name}.ply --views cam00 --frames 0 --out {name} --overwrite {more}");
+        let line = format!("--splats {name}.ply --views cam00 --frames 0 --out {name} --force {more}");
         render(&dir, &line).says(0, &[]);
         let picture = dir.bytes(&format!("{name}/cam00/0000.png"));
         decode_colour(&picture, SIZE[0], SIZE[1]).unwrap().iter().any(|byte| *byte > 0)
@@ -177,7 +178,7 @@ fn clips_of_something_else_are_never_mixed_in() {
     // Replacing sweeps all old pictures away, also those that are not drawn anew.
     other.gaussians.sh.fill([0.5; 3]);
     other.write(&dir.path("work/tiny/room/splats")).unwrap();
-    render(&dir, "--views cam01 --frames 0 --overwrite").says(0, &[]);
+    render(&dir, "--views cam01 --frames 0 --force").says(0, &[]);
     assert!(!dir.path(&file).exists());
     // Files of unknown origin are not taken for our own.
     dir.write("elsewhere/cam00/0000.png", b"a picture of somebody else");
@@ -203,7 +204,7 @@ fn other_programs_models_are_drawn_from_any_cameras_at_any_times() {
 
     for (path, family, dynamic) in [(theirs, "4dgaussians", 5), ("bare.ply", "ply", 0)] {
         let common = "--cameras cameras.json --times 0.25,0.5 --size 64x48";
-        dir.succeed(format!("render-splats --model {path} --out {family} {common}"));
+        dir.succeed(format!("render-splats --splats {path} --out {family} {common}"));
         let manifest = dir.value(&format!("{family}/manifest.json"));
         let model = &manifest["drawn"]["model"];
         assert_eq!((&model["family"], &model["dynamic"]), (&json!(family), &json!(dynamic)));
@@ -231,7 +232,7 @@ fn what_cannot_be_drawn_is_refused_before_anything_is_written() {
     for (more, parts) in [
         ("--views cam99", &["no view `cam99`", "hint: choose among cam00, cam01"][..]),
         ("--frames 97", &["frame 97 is beyond the clip"]),
-        ("--model nowhere", &["nowhere: model: there is nothing", "hint:"]),
+        ("--splats nowhere", &["nowhere: model: there is nothing", "hint:"]),
         ("--adapter 'no such adapter'", &["no graphics adapter is named like"]),
         ("--background 2,0,0", &["three numbers from 0 to 1"]),
         ("--cameras blind.json", &["camera cam00: field `fx` is 0", "hint: mend"]),
@@ -296,7 +297,7 @@ fn number(row: &BTreeMap<String, String>, field: &str) -> f64 {
 #[test]
 fn the_bench_of_a_made_up_room_says_the_same_twice_but_for_times() {
     let dir = Dir::new();
-    let quick = "bench splats --gaussians 300 --size 48x36 --views 2 --times 2 --repeats 1";
+    let quick = "bench splats --gaussians 300 --size 48x36 --view-count 2 --times 2 --repeats 1";
     for out in ["a", "b"] {
         dir.succeed(format!("{quick} --out {out}"));
     }
@@ -354,5 +355,93 @@ fn the_bench_of_a_scene_compares_with_its_held_out_pictures() {
 
     dir.remove("data/tiny/room/frames/cam08/0096.exr");
     dir.run(bench).says(2, &["0096.exr: cannot open"]);
-    dir.run("bench splats --model x").says(2, &["--model does not apply without the scene"]);
+    dir.run("bench splats --splats x").says(2, &["--splats does not apply without the scene"]);
+}
+
+#[test]
+fn one_camera_flies_along_the_others() {
+    let dir = folder();
+    let views: Vec<String> = cameras().iter().map(|camera| camera.name.to_string()).collect();
+    for (flight, name) in
+        [("--orbit".to_owned(), "orbit"), (format!("--path {},{}", views[0], views[2]), "path")]
+    {
+        let out = format!("flights/{name}");
+        render(&dir, &format!("{flight} --frames 0,48,96 --out {out}")).says(0, &[]);
+        let manifest = dir.value(&format!("{out}/manifest.json"));
+        let poses = manifest["views"][name]["camera"]["world_from_camera"].as_array().unwrap();
+        assert_eq!(poses.len(), 97, "a pose for each frame");
+        assert_ne!(poses[0], poses[48]);
+        let pictures: Vec<Vec<u8>> =
+            [0, 48, 96].map(|frame| dir.bytes(&format!("{out}/{name}/{frame:04}.png"))).into();
+        assert_ne!(pictures[0], pictures[1]);
+    }
+    render(&dir, "--orbit --path cam00,cam01").refused(&["--orbit", "--path"]);
+    render(&dir, "--path nowhere,cam01").refused(&["there is no view `nowhere`"]);
+}
+
+/// What OpenUSD's own library reads of a file, at time codes 0 and 48.
+const READ_USD: &str = "
+import json, sys
+from pxr import Usd, UsdUtils, UsdVol
+stage = Usd.Stage.Open(sys.argv[1])
+splats = UsdVol.ParticleField3DGaussianSplat(stage.GetPrimAtPath('/scene/splats'))
+assert splats and stage.GetDefaultPrim().GetName() == 'scene'
+assert stage.GetTimeCodesPerSecond() == 24 and (stage.GetStartTimeCode(), stage.GetEndTimeCode()) == (0, 48)
+rows = lambda values: [[float(part) for part in row] for row in values]
+quaternion = lambda q: [q.GetReal(), *map(float, q.GetImaginary())]
+def at(time):
+    return {
+        'positions': rows(splats.GetPositionsAttr().Get(time)),
+        'orientations': [quaternion(q) for q in splats.GetOrientationsAttr().Get(time)],
+        'scales': rows(splats.GetScalesAttr().Get(time)),
+        'opacities': [[float(value)] for value in splats.GetOpacitiesAttr().Get(time)],
+        'harmonics': rows(splats.GetRadianceSphericalHarmonicsCoefficientsAttr().Get(time)),
+        'degree': splats.GetRadianceSphericalHarmonicsDegreeAttr().Get(),
+    }
+print(json.dumps([at(0), at(48)]))
+";
+
+#[test]
+fn exported_gaussians_are_those_that_are_drawn() {
+    let dir = folder();
+    let export = |more: &str| dir.run(format!("export room --profile tiny --frames 0,48 {more}"));
+    export("--format ply --out plys").says(0, &[]);
+    export("--format usd-splats --out usd").says(0, &[]);
+    let file = dir.path("usd/splats.usda");
+    let mut reader = Command::new(blender_python());
+    let read: Value = serde_json::from_str(&succeed(reader.args(["-c", READ_USD]).arg(&file))).unwrap();
+
+    for (place, frame) in [0, 48].into_iter().enumerate() {
+        let shown = model().at(time_of_frame(frame)).unwrap();
+        let there = ply::read(&dir.path(format!("plys/splats_{frame:05}.ply"))).unwrap();
+        assert_eq!(there.activate().unwrap(), shown, "PLY of frame {frame}");
+
+        let state = &read[place];
+        assert_eq!(state["degree"], shown.sh_degree().get());
+        let is_near = |field: &str, rows: Vec<Vec<f32>>| {
+            let found = state[field].as_array().unwrap();
+            assert_eq!(found.len(), rows.len(), "{field}");
+            for (found, row) in found.iter().zip(&rows) {
+                let found: Vec<f32> =
+                    found.as_array().unwrap().iter().map(|v| v.as_f64().unwrap() as f32).collect();
+                // A quaternion and its negative are the same.
+                let negative: Vec<f32> = row.iter().map(|part| -part).collect();
+                assert!(
+                    found == *row || (field == "orientations" && found == negative),
+                    "{field}: {found:?} {row:?}"
+                );
+            }
+        };
+        let rows = |rows: &[[f32; 3]]| rows.iter().map(|row| row.to_vec()).collect::<Vec<Vec<f32>>>();
+        is_near("positions", rows(shown.means()));
+        is_near("scales", rows(shown.scales()));
+        is_near("harmonics", rows(shown.sh()));
+        is_near("orientations", shown.rotations().iter().map(|row| row.to_vec()).collect());
+        is_near("opacities", shown.opacities().iter().map(|&value| vec![value]).collect());
+    }
+
+    export("--format ply --out plys --held-out nothing").refused(&["--held-out", "does not apply"]);
+    dir.write("mine/splats.usda", "mine");
+    export("--format usd-splats --out mine").refused(&["splats.usda"]);
+    assert_eq!(dir.read("mine/splats.usda"), "mine");
 }

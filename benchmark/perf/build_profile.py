@@ -45,7 +45,7 @@ def main() -> None:
         "score": ["score", "results", "--scores", "again", *bench, "small"],
         "leaderboard": ["leaderboard", "scores", *bench, "small"],
         "leaderboard --html": ["leaderboard", "scores", "--html", *bench, "small"],
-        "train-splats": [*train, "--coarse", "100", "--fine", "200", "--overwrite"],
+        "train-splats": [*train, "--coarse", "100", "--fine", "200", "--force"],
     }
     with tempfile.TemporaryDirectory() as root:
         folder = Path(root)

@@ -259,7 +259,7 @@ def trained(options: argparse.Namespace, scene: str, said: str, scratch: Path) -
     arguments = ["--bench", options.bench, "--profile", options.profile, "--data", options.data]
     arguments += ["--init", "sweep"] if options.stage == "sweep" else []
     said_json = call(
-        options, said, "train-splats", scene, *arguments, "--out", folder, "--overwrite", "--json"
+        options, said, "train-splats", scene, *arguments, "--out", folder, "--force", "--json"
     )
     report = json.loads(said_json)["report"]
     shutil.rmtree(scratch / scene, ignore_errors=True)

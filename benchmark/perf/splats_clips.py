@@ -42,7 +42,7 @@ def main() -> None:
         "--data", data, "--views", ",".join(views), "--adapter", options.adapter,
     ]
     if options.model:
-        command += ["--model", options.model]
+        command += ["--splats", options.model]
     load = os.getloadavg()[0]
     rounds = [one_round(command) for _ in range(options.rounds)]
     seconds = [taken for taken, _, _ in rounds]

@@ -63,7 +63,7 @@ def command(options: argparse.Namespace, scene: str, more: list[str], out: Path)
     """What trains a scene."""
     command = [
         options.binary.resolve(), "--quiet", "train-splats", scene, "--profile", options.profile, "--out", out,
-        "--overwrite", "--patience", "0", "--json", *more,
+        "--force", "--patience", "0", "--json", *more,
     ]
     return [*command, "--data", options.data] if options.data else command
 

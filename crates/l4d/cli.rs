@@ -4,6 +4,7 @@ pub(crate) mod annotation;
 mod applies;
 pub(crate) mod cluster;
 pub(crate) mod given;
+mod help;
 pub(crate) mod interop;
 pub(crate) mod judging;
 pub(crate) mod models;
@@ -20,11 +21,14 @@ use std::str::FromStr;
 use anyhow::Result;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use clap_complete::Shell;
 use l4d_data::Profile;
 use serde::de::value::Error as ValueError;
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
-use self::annotation::{CheckQueriesArgs, OpenRoundArgs, StatsArgs, VerdictArgs, VerifyPromptsArgs};
+use self::annotation::{
+    CheckQueriesArgs, ImportBallotArgs, OpenRoundArgs, StatsArgs, VerdictArgs, VerifyPromptsArgs,
+};
 use self::cluster::ClusterCommand;
 use self::given::Given;
 use self::interop::{ExportArgs, ImportArgs, ImportSceneArgs};
@@ -54,7 +58,7 @@ impl Cli {
     /// # Errors
     /// A `clap::Error`, which may be help that was asked for, and options that do not apply.
     pub(crate) fn read(line: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> Result<(Self, Given)> {
-        let mut command = Self::command();
+        let mut command = help::with_help(Self::command());
         let matches = command.try_get_matches_from_mut(line)?;
         applies::check(&command, &matches)?;
         let given = Given::of(&command, &matches);
@@ -66,11 +70,27 @@ impl Cli {
 #[derive(Debug, Args)]
 pub(crate) struct GlobalArgs {
     /// Say nothing but data, warnings and errors
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, display_order = 990)]
     pub(crate) quiet: bool,
     /// Say more on stderr (RUST_LOG refines it)
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, display_order = 991)]
     pub(crate) verbose: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    pub(crate) shell: Shell,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ManArgs {
+    /// Folder that receives l4d.1, l4d-solve.1 and so on
+    #[arg(long, short, value_name = "DIR", default_value = "man")]
+    pub(crate) out: PathBuf,
+    /// Replace files that l4d did not write
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -104,6 +124,8 @@ pub(crate) enum Command {
     OpenRound(OpenRoundArgs),
     /// Vote in a round: read a prompt, find what it means, in a terminal
     VerifyPrompts(VerifyPromptsArgs),
+    /// Take in the ballot that an annotator sealed in a browser
+    ImportBallot(ImportBallotArgs),
     /// Judge a round: valid prompts, agreement, what to refine; sets the status of the queries
     Verdict(VerdictArgs),
     /// Learn a 4D model of a scene from its training cameras
@@ -151,9 +173,18 @@ pub(crate) enum Command {
     /// Write the benchmark in the form of a hosting platform
     #[command(subcommand)]
     Host(HostCommand),
+    /// Print what lets a shell complete verbs and options
+    Completions(CompletionsArgs),
+    /// Write a manual page of each verb
+    Man(ManArgs),
 }
 
 impl Command {
+    /// The grammar as users see it.
+    pub(crate) fn grammar() -> clap::Command {
+        help::with_help(Cli::command())
+    }
+
     /// What is asked of the benchmark by a verb that needs rendered scenes.
     pub(crate) fn needs_renderings(&self) -> Option<&BenchArgs> {
         match self {

@@ -9,6 +9,7 @@ mod check_queries;
 mod check_results;
 mod check_scenes;
 mod cluster;
+mod completions;
 mod compose;
 mod doctor;
 mod download;
@@ -16,10 +17,13 @@ mod endpoint;
 mod export;
 mod host;
 mod import;
+#[cfg(feature = "annotate")]
+mod import_ballot;
 mod import_scene;
 mod init_results;
 #[cfg(feature = "board")]
 mod leaderboard;
+mod man;
 mod open_round;
 mod propose_prompts;
 mod propose_scenes;
@@ -67,6 +71,10 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::VerifyPrompts(args) => verify_prompts::run(args, out),
         #[cfg(not(feature = "annotate"))]
         Command::VerifyPrompts(_) => Err(not_built_in("the annotation screen", "annotate")),
+        #[cfg(feature = "annotate")]
+        Command::ImportBallot(args) => import_ballot::run(args, out),
+        #[cfg(not(feature = "annotate"))]
+        Command::ImportBallot(_) => Err(not_built_in("the import of ballots", "annotate")),
         Command::Verdict(args) => verdict::run(args, out),
         Command::TrainSplats(args) => train_splats::run(args, out),
         Command::RenderSplats(args) => render_splats::run(args, out),
@@ -91,5 +99,7 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::Cluster(command) => cluster::run(command, out),
         Command::Download(args) => download::run(args, out),
         Command::Host(command) => host::run(command, out),
+        Command::Completions(args) => completions::run(args, out),
+        Command::Man(args) => man::run(args, out),
     }
 }

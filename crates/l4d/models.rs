@@ -12,13 +12,13 @@ use crate::out::{ExitStatus, Printer, refusal, table};
 impl EndpointArgs {
     /// The endpoint that file and flags name, or the one that a recording was made of.
     pub(crate) fn resolve(&self) -> Result<Endpoint> {
-        let mut endpoint = match (&self.endpoint, &self.link, &self.base_url, &self.model) {
+        let mut endpoint = match (&self.endpoint, &self.link, &self.base_url, &self.vlm) {
             (Some(path), ..) => Endpoint::read(path)?,
             (None, Link::Replay(folder), ..) => Endpoint::recorded(folder)?,
             (None, _, Some(base_url), Some(model)) => Endpoint::new(base_url, model)?,
             _ => {
-                let hint = "name a file with --endpoint, or give --base-url and --model, for example \
-                            --base-url http://localhost:8000/v1 --model Qwen/Qwen3-VL-8B-Instruct";
+                let hint = "name a file with --endpoint, or give --base-url and --vlm, for example \
+                            --base-url http://localhost:8000/v1 --vlm Qwen/Qwen3-VL-8B-Instruct";
                 return Err(refusal("no endpoint is named", hint));
             }
         };
@@ -27,7 +27,7 @@ impl EndpointArgs {
                 refusal(format!("--base-url {message}"), "write it like http://localhost:8000/v1")
             })?;
         }
-        if let Some(model) = &self.model {
+        if let Some(model) = &self.vlm {
             endpoint.model.clone_from(model);
         }
         if let Some(variable) = &self.api_key_env {

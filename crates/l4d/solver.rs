@@ -20,7 +20,7 @@ impl MethodArgs {
     pub(crate) fn choice(&self) -> MethodChoice {
         MethodChoice {
             preset: self.preset,
-            views: self.views as usize,
+            views: self.view_count as usize,
             view_seed: self.view_seed,
             clip_size: self.clip_size.map(|size| size.0),
             clip_every: self.clip_every,

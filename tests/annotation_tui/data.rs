@@ -10,10 +10,10 @@ use l4d_testing::{camera, flat, instance, scene, write_scene};
 
 use crate::support::Dir;
 
-pub(super) const SCENES: [&str; 3] = ["room_living_cats", "tabletop_mouse_cups", "room_office"];
+pub(crate) const SCENES: [&str; 3] = ["room_living_cats", "tabletop_mouse_cups", "room_office"];
 
 /// A folder with a benchmark of some shipped scenes, and their pictures in `data/tiny`.
-pub(super) fn dir() -> Dir {
+pub(crate) fn dir() -> Dir {
     let files = ["scenes/{}.json", "queries/{}.jsonl", "queries/{}.absent.jsonl", "truth/tiny/{}.json"];
     let dir = Dir::with_shipped("Three", &SCENES, &files);
     let bench = BenchDir::new(dir.path("benchmark"));

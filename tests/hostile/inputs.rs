@@ -33,7 +33,7 @@ fn with_cameras() -> Dir {
 }
 
 fn draw(dir: &Dir, model: &str) -> Run {
-    bounded(dir, &format!("render-splats --model {model} --cameras cameras.json --times 0 --out clips"))
+    bounded(dir, &format!("render-splats --splats {model} --cameras cameras.json --times 0 --out clips"))
 }
 
 /// Some Gaussians of a room.
@@ -177,9 +177,9 @@ fn files_behind_links_are_not_quoted() {
     dir.write("secret", "root:x:0:0:canary:/root\ncanary = [\n");
     foreign(&dir, "");
     for (link, line) in [
-        ("theirs/cfg_args", "render-splats --model theirs --cameras cameras.json --out clips"),
+        ("theirs/cfg_args", "render-splats --splats theirs --cameras cameras.json --out clips"),
         ("benchmark/panoptic-l4d.toml", "check-queries"),
-        ("annotation/rounds/one/round.toml", "verdict --round one"),
+        ("annotation/rounds/one/round.toml", "verdict one"),
         ("noise.toml", "solve --grounder oracle --noise noise.toml"),
         ("preset.toml", "import preset.toml ."),
     ] {
@@ -204,7 +204,7 @@ fn text_that_turns_its_direction() {
     dir.edit("benchmark/panoptic-l4d.toml", "name =", &format!("\"{TURNED}\" = 1\nname ="));
     for line in [
         "check-queries --profile tiny".to_owned(),
-        format!("render-splats --model {name} --cameras {name} --out clips"),
+        format!("render-splats --splats {name} --cameras {name} --out clips"),
         format!("score --profile tiny --bench {TURNED}"),
         "check-queries --profile tiny --bench fixed".to_owned(),
     ] {
@@ -229,7 +229,7 @@ fn every_refusal_names_a_file_and_a_hint() {
         ("{\"width\": 0, \"height\": 96, \"cameras\": [1]}", "cameras[0]"),
     ] {
         dir.write("bad.json", text);
-        let line = "render-splats --model good.ply --cameras bad.json --times 0 --out clips";
+        let line = "render-splats --splats good.ply --cameras bad.json --times 0 --out clips";
         dir.refuses(line, &["bad.json", said]);
     }
     dir.change("cameras.json", |cameras| cameras["width"] = 0.into());
@@ -240,7 +240,7 @@ fn every_refusal_names_a_file_and_a_hint() {
     for bench in ["loop", &long, "good.ply"] {
         dir.refuses(format!("check-queries --bench {bench}"), &[bench]);
     }
-    dir.refuses("render-splats --model loop --cameras cameras.json --out clips", &["loop"]);
+    dir.refuses("render-splats --splats loop --cameras cameras.json --out clips", &["loop"]);
 
     dir.write("capture/cam00/images/0000.png", "");
     dir.refuses("import-scene neu3d capture --name a", &["poses_bounds.npy"]);

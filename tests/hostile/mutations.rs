@@ -50,7 +50,7 @@ static STAGES: [Stage; 9] = [
     Stage {
         make: foreign::folder,
         lines: &[
-            "render-splats wall --profile tiny --model output/panoptic --views cam01 --frames 0 --out clips",
+            "render-splats wall --profile tiny --splats output/panoptic --views cam01 --frames 0 --out clips",
         ],
     },
     Stage { make: real_scenes::authored, lines: &["check-queries --profile real"] },

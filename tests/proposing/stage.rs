@@ -81,7 +81,7 @@ pub(super) fn endpoint(dir: &Dir, server: &Server, more: &str) {
 }
 
 pub(super) const PROMPTS: &str =
-    "propose-prompts --profile tiny --endpoint endpoint.toml --frames 2 --training-views 0";
+    "propose-prompts --profile tiny --endpoint endpoint.toml --frames 2 --view-count 0";
 
 pub(super) fn prompts(dir: &Dir, more: &str) -> Run {
     dir.run(format!("{PROMPTS} {more}"))

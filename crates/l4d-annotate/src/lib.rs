@@ -1,4 +1,4 @@
-//! The terminal application in which a person finds what a sentence means.
+//! How a person finds what a sentence means: the terminal application, and a page for a browser ([`offline`]).
 //!
 //! Model, update and view are apart: [`keys`] turns what the terminal says into messages, [`update`] is a pure
 //! function from state and message to state and effects, [`view`] draws the state into cells, [`session`] carries
@@ -9,6 +9,7 @@
 //! round, of other ballots, and of what a vote leads to.
 
 mod art;
+mod decoder;
 mod draft;
 mod error;
 mod field;
@@ -17,6 +18,7 @@ mod layout;
 mod look;
 mod message;
 mod model;
+pub mod offline;
 mod paint_thread;
 mod painter;
 mod picture;

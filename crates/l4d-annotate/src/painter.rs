@@ -1,22 +1,15 @@
 //! Frames on disk to pictures on the screen. Slow by nature: [`crate::paint_thread`] runs it beside the keyboard.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::UVec2;
-use l4d_data::capture::MaskSet;
-use l4d_data::layout::{CaptureDir, SceneDir};
-use l4d_data::store::read_bounded;
 use l4d_data::{DataError, Name};
-use l4d_frames::Display;
-use l4d_frames::closeup::{Closeup, RgbImage};
-use l4d_frames::exr::read_frame;
+use l4d_frames::closeup::Closeup;
 use l4d_frames::overlay::Mark;
-use l4d_frames::photo;
 use l4d_frames::sheet::save;
-use l4d_masks::Mask;
 use l4d_masks::mask::PixelBox;
 use lru::LruCache;
 use ratatui::layout::{Position, Size};
@@ -24,9 +17,10 @@ use ratatui_image::Resize;
 use ratatui_image::picker::Picker;
 
 use crate::art;
+use crate::decoder::{Decoder, FrameKey, Shown};
 use crate::error::in_full;
 use crate::look::{Colours, Look};
-use crate::picture::{Art, ExportRequest, Ids, Label, Picture, PictureRequest};
+use crate::picture::{Art, ExportRequest, Label, Picture, PictureRequest};
 use crate::scene::{SceneInfo, Scenes};
 
 /// Decoded frames that are kept: a whole clip from several views for `small`, a clip for `full`.
@@ -38,30 +32,16 @@ const PIXEL_BUDGET_BYTES: usize = 192 << 20;
 /// Exported pictures are enlarged by a whole factor until they are about this wide, pixels.
 const EXPORT_WIDTH_PX: u32 = 1024;
 const EXPORT_LETTER_PX: f32 = 22.0;
-/// No picture of a capture is larger.
-const MAX_PICTURE_BYTES: u64 = 256 << 20;
-const IMPORT_AGAIN: &str = "run `l4d import-scene` again";
 /// Instances of fewer cells than this in depth have their number above instead of on them.
 const ROOM_FOR_LABEL_CELLS: f32 = 0.8;
 
-/// A frame as it is shown.
-#[derive(Debug)]
-pub(crate) struct Shown {
-    picture: RgbImage,
-    ids: Arc<Ids>,
-}
-
-pub(crate) type FrameKey = (Name, Name, u32);
-
 /// Decodes, scales, outlines and encodes.
 pub(crate) struct Painter {
-    data: PathBuf,
     exports: PathBuf,
     scenes: Arc<Scenes>,
     look: Look,
     picker: Option<Picker>,
-    displays: BTreeMap<Name, Display>,
-    drawn: BTreeMap<Name, Arc<MaskSet>>,
+    decoder: Decoder,
     frames: LruCache<FrameKey, Arc<Shown>>,
     pictures: LruCache<PictureRequest, Arc<Picture>>,
 }
@@ -79,13 +59,11 @@ impl Painter {
         let bytes_each = largest * (size_of::<[u8; 3]>() + size_of::<u32>());
         let kept_frames = (FRAME_BUDGET_BYTES / bytes_each.max(1)).clamp(4, 2048);
         Self {
-            data: data.to_owned(),
+            decoder: Decoder::new(data),
             exports: exports.to_owned(),
             scenes,
             look,
             picker,
-            displays: BTreeMap::new(),
-            drawn: BTreeMap::new(),
             frames: LruCache::new(NonZeroUsize::new(kept_frames).unwrap_or(KEPT_PICTURES)),
             pictures: LruCache::new(KEPT_PICTURES),
         }
@@ -103,42 +81,10 @@ impl Painter {
         if let Some(shown) = self.frames.get(key) {
             return Ok(Arc::clone(shown));
         }
-        let (scene, view, frame) = key;
-        let card = self.card(scene)?;
-        let shown = Arc::new(match card.is_capture {
-            true => self.taken(&card, key)?,
-            false => self.rendered(&card, SceneDir::new(&self.data, scene).frame(view, *frame), scene)?,
-        });
+        let card = self.card(&key.0)?;
+        let shown = Arc::new(self.decoder.decode(&card, key)?);
         self.frames.put(key.clone(), Arc::clone(&shown));
         Ok(shown)
-    }
-
-    fn rendered(&mut self, card: &SceneInfo, path: PathBuf, scene: &Name) -> Result<Shown, DataError> {
-        let decoded = read_frame(&path, card.size)?;
-        let display = self.displays.entry(scene.clone()).or_insert_with(|| Display::new(card.exposure));
-        let ids = Arc::new(Ids { size: card.size, ids: decoded.surfaces.id.clone() });
-        Ok(Shown { picture: display.picture(&decoded), ids })
-    }
-
-    /// A picture of a capture; objects are where people drew them, and nowhere else.
-    fn taken(&mut self, card: &SceneInfo, (scene, view, frame): &FrameKey) -> Result<Shown, DataError> {
-        let dir = CaptureDir::new(&self.data, scene);
-        let picture = photograph(&dir.picture(view, *frame), card.size)?;
-        let drawn = match self.drawn.get(scene) {
-            Some(drawn) => Arc::clone(drawn),
-            None => {
-                let drawn = Arc::new(MaskSet::read(dir.root())?);
-                self.drawn.insert(scene.clone(), Arc::clone(&drawn));
-                drawn
-            }
-        };
-        let mut ids = vec![0; card.size.element_product() as usize];
-        for instance in &drawn.instances {
-            let Some(mask) = instance.mask(view, *frame) else { continue };
-            let mask = Mask::from_rle(mask, card.size.x, card.size.y);
-            mask.pixels().for_each(|(col, row)| ids[(row * card.size.x + col) as usize] = instance.id);
-        }
-        Ok(Shown { picture, ids: Arc::new(Ids { size: card.size, ids }) })
     }
 
     /// Paints a decoded frame.
@@ -179,18 +125,8 @@ impl Painter {
     fn card(&self, scene: &Name) -> Result<SceneInfo, DataError> {
         self.scenes.get(scene).cloned().ok_or_else(|| {
             let hint = "this is a fault of l4d: please report it";
-            DataError::invalid(&self.data, "scene", format!("{scene} is not one of the round"), hint)
+            DataError::invalid(self.decoder.data(), "scene", format!("{scene} is not one of the round"), hint)
         })
-    }
-}
-
-fn photograph(path: &Path, size: UVec2) -> Result<RgbImage, DataError> {
-    let wrong = |message: String| DataError::invalid(path, "picture", message, IMPORT_AGAIN);
-    let picture =
-        photo::decode(&read_bounded(path, MAX_PICTURE_BYTES)?).map_err(|error| wrong(error.to_string()))?;
-    match picture.dimensions() == (size.x, size.y) {
-        true => Ok(picture),
-        false => Err(wrong(format!("is not {}x{}", size.x, size.y))),
     }
 }
 

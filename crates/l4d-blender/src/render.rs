@@ -113,7 +113,7 @@ impl PlannedScene {
             if !overwrite {
                 return Err(StageError::new(
                     format!("{} holds pictures of other scripts, seeds or samples", frames.display()),
-                    "add --overwrite to render them again, or choose another folder with --data",
+                    "add --force to render them again, or choose another folder with --data",
                 ));
             }
             std::fs::remove_dir_all(&frames).map_err(|error| DataError::io(&frames, "remove", error))?;

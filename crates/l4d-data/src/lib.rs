@@ -13,6 +13,7 @@ pub mod composition;
 pub mod digest;
 pub mod error;
 pub mod finding;
+pub mod html;
 pub mod json;
 pub mod layout;
 pub mod name;

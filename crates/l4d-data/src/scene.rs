@@ -171,7 +171,7 @@ impl Scene {
 
 impl Document for Scene {
     const SCHEMA: &'static str = SCHEMA;
-    const HINT: &'static str = "build the scene again with `l4d build-scenes --overwrite`";
+    const HINT: &'static str = "build the scene again with `l4d build-scenes --force`";
 
     fn schema(&self) -> &str {
         &self.schema

@@ -56,7 +56,7 @@ impl<'a> Clip<'a> {
         let seen = read_frame(&path, size)?;
         if seen.rgb.iter().flatten().all(|light| light.to_f32() == 0.0) {
             let message = "is black: only depth and ids were rendered";
-            let hint = "run `l4d build-scenes --overwrite` with --samples above 0";
+            let hint = "run `l4d build-scenes --force` with --samples above 0";
             let error = DataError::invalid(&path, "channels R, G, B", message, hint);
             return Err(FrameError::new(FrameError::VALUES, error));
         }

@@ -14,7 +14,8 @@ use crate::codes;
 use crate::gather::{Gathered, Source};
 
 /// Nothing else sets a status.
-const HINT: &str = "name the folder of all rounds with --rounds, and run `l4d verdict --round ...`: nothing else sets a status";
+const HINT: &str =
+    "name the folder of all rounds with --rounds, and run `l4d verdict ...`: nothing else sets a status";
 
 /// What all sealed rounds of people say together.
 #[derive(Debug, Clone, Default)]

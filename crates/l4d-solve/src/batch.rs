@@ -200,7 +200,7 @@ impl Batch<'_> {
         match Record::read(dir) {
             Some(record) if record.made_from != made_from && !self.overwrite => Err(StageError::new(
                 format!("{}: was answered from other clips or with other settings", dir.root().display()),
-                "give the method another --name, or replace its answers with --overwrite",
+                "give the method another --name, or replace its answers with --force",
             )),
             _ => Ok(()),
         }

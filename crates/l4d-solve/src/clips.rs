@@ -4,6 +4,7 @@
 //! is there whole is not drawn again, and the model is deformed once a time for all views of it. Refuses to know
 //! who trained the model and what is asked about it.
 
+mod flight;
 mod folder;
 mod plan;
 mod request;
@@ -28,6 +29,7 @@ use l4d_splat::raster::{Drawing, RasterSettings, Rasterizer};
 use l4d_splat::source::Source;
 use rayon::prelude::*;
 
+pub use self::flight::Flight;
 pub use self::folder::{ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, ModelEntry, Overwrite};
 pub use self::plan::{Instant, PictureIndex, Plan};
 pub(crate) use self::plan::{instants_at, spread_views};

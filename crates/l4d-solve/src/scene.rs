@@ -178,7 +178,7 @@ impl SolveScene {
         let camera = camera.cloned().ok_or_else(|| {
             let hint = match self.profile.is_rendered() {
                 true => "build the scene again",
-                false => "import the scene again with --held-out, or name cameras with --camera",
+                false => "import the scene again with --held-out, or name some with --views",
             };
             DataError::invalid(&path, "field `cameras`", "has no camera of split `test`", hint)
         })?;
@@ -232,7 +232,7 @@ fn read_model(name: &Name, profile: Profile, places: &Places) -> Result<Source, 
     let source = Source::open(&path, places.reader_options)?;
     let other = |what: &str, found: &dyn std::fmt::Display| {
         let message = format!("was trained on {what} {found}");
-        DataError::invalid(&path, "model", message, format!("{train}, or give the right --model"))
+        DataError::invalid(&path, "model", message, format!("{train}, or give the right --splats"))
     };
     match (&source.scene, source.profile) {
         (Some(scene), _) if scene != name => Err(other("scene", scene)),

@@ -1,13 +1,14 @@
 //! How a model reaches a disk and comes back.
 //!
 //! Four families of files: our own checkpoint ([`own`]), the models of 4DGaussians ([`foreign`]), the bare PLY of 3D
-//! Gaussians ([`ply`]), and what trainers keep with `torch.save` ([`torch`]). All numbers are raw, before any activation; `docs/splats.md` is the reference of the
-//! formats.
+//! Gaussians ([`ply`]), and what trainers keep with `torch.save` ([`torch`]). Their numbers are raw, before any
+//! activation. [`usd`] is written only, and holds what is drawn. `docs/splats.md` is the reference of the formats.
 
 pub mod foreign;
 pub mod own;
 pub mod ply;
 pub(crate) mod torch;
+pub mod usd;
 
 use std::collections::BTreeMap;
 

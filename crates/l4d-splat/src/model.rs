@@ -3,6 +3,7 @@
 //! Owns how a model becomes what a rasterizer draws at a moment, and how it is read and written.
 //! Refuses to know how it was trained and what is drawn with it.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use l4d_data::DataError;
@@ -54,11 +55,19 @@ impl Model {
     /// A time outside the clip or outside of training; a dynamic row that names no Gaussian; parameters that are not
     /// finite.
     pub fn at(&self, time: f32) -> Result<Splats, ModelError> {
+        Ok(self.gaussians_at(time)?.activate()?)
+    }
+
+    /// The same before activation: what files of Gaussians hold.
+    ///
+    /// # Errors
+    /// A time outside the clip or outside of training; a dynamic row that names no Gaussian.
+    pub fn gaussians_at(&self, time: f32) -> Result<Cow<'_, Gaussians>, ModelError> {
         Ok(match &self.field {
             Some(field) => {
-                field.deformed(&self.gaussians, &self.dynamic, self.own_time(time)?)?.activate()?
+                Cow::Owned(field.deformed(&self.gaussians, &self.dynamic, self.own_time(time)?)?)
             }
-            None => self.gaussians.activate()?,
+            None => Cow::Borrowed(&self.gaussians),
         })
     }
 

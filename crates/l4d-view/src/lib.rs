@@ -11,10 +11,7 @@ mod gaussians;
 mod pictures;
 mod sentences;
 
-use std::io::Write as _;
-
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
+use l4d_data::html;
 use l4d_data::layout::{ResultsDir, SceneDir};
 use l4d_data::truth::Truth;
 use l4d_data::{Name, Profile, Progress, Query, Rig, Scene, StageError, tracks::Tracks};
@@ -92,7 +89,9 @@ pub fn page(request: &Request<'_>, progress: &dyn Progress) -> Result<Written, S
     let document = Document::new(request, gaussians, pictures, sentences);
     let mut texts = vec![("gaussians".to_owned(), values)];
     texts.extend(blocks);
-    let html = bound(&document, &texts)?;
+    let title = request.scene.as_str();
+    let file = html::Page { template: TEMPLATE, title, style: STYLE, scripts: &SCRIPTS };
+    let html = file.bytes(&document, &texts)?;
     if html.len() > LARGEST_PAGE {
         let message = format!("a page of {} bytes, where {LARGEST_PAGE} is the most", html.len());
         return Err(StageError::new(message, "leave out methods, or show a scene of a smaller profile"));
@@ -119,42 +118,6 @@ const SCRIPTS: [&str; 8] = [
     include_str!("../page/page.js"),
     include_str!("../page/asking.js"),
 ];
-
-/// Template, data and scripts in one file. Nothing in the data can end the element that holds it: `<` is escaped, and
-/// base64 has none.
-fn bound(document: &Document, blocks: &[(String, Vec<u8>)]) -> Result<Vec<u8>, StageError> {
-    let mut html = Vec::new();
-    let mut rest = TEMPLATE;
-    while let Some((before, after)) = rest.split_once("{{") {
-        let (name, after) = after.split_once("}}").unwrap_or((after, ""));
-        html.extend_from_slice(before.as_bytes());
-        match name {
-            "title" => html.extend_from_slice(document.scene.as_bytes()),
-            "style" => html.extend_from_slice(STYLE.as_bytes()),
-            "script" => SCRIPTS.iter().for_each(|script| html.extend_from_slice(script.as_bytes())),
-            _ => push_data(&mut html, document, blocks)?,
-        }
-        rest = after;
-    }
-    html.extend_from_slice(rest.as_bytes());
-    Ok(html)
-}
-
-fn push_data(
-    html: &mut Vec<u8>,
-    document: &Document,
-    blocks: &[(String, Vec<u8>)],
-) -> Result<(), StageError> {
-    let json = serde_json::to_string(document)?.replace('<', "\\u003c");
-    let unwritten = |error: std::io::Error| StageError::of(&error, "free some memory");
-    writeln!(html, "<script type=\"application/json\" id=\"document\">{json}</script>").map_err(unwritten)?;
-    for (name, bytes) in blocks {
-        let text = STANDARD.encode(bytes);
-        writeln!(html, "<script type=\"text/plain\" id=\"block-{name}\">{text}</script>")
-            .map_err(unwritten)?;
-    }
-    Ok(())
-}
 
 #[cfg(test)]
 mod tests;

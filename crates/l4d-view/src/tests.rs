@@ -1,3 +1,5 @@
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use l4d_data::{Silent, json as files};
 use l4d_splat::synthetic::Room;
 use l4d_testing::{Dataset, name, query};

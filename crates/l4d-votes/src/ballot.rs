@@ -15,7 +15,7 @@ use l4d_data::{DataError, Finding, Name};
 
 use crate::history::History;
 use crate::item::{Item, ItemId};
-use crate::line::{Act, SealEvent, digest_of, write_line};
+use crate::line::{Act, SealEvent, Source, digest_of, write_line};
 use crate::replay::{Replay, replay};
 use crate::responses::MAX_BYTES;
 use crate::round::Round;
@@ -88,6 +88,21 @@ impl Ballot {
         seen: ShownFrames,
         elapsed: Duration,
     ) -> Result<(), DataError> {
+        self.record_from(&Source::now(), item, event, seen, elapsed)
+    }
+
+    /// As [`Ballot::record`], of an act that happened elsewhere.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn record_from(
+        &mut self,
+        source: &Source,
+        item: &ItemId,
+        event: Event,
+        seen: ShownFrames,
+        elapsed: Duration,
+    ) -> Result<(), DataError> {
         let refuse = |message: String, hint: &str| {
             Err(DataError::invalid(&self.path, format!("item {item}"), message, hint))
         };
@@ -113,7 +128,7 @@ impl Ballot {
             seen,
             elapsed_ms: u64::try_from(elapsed.as_millis()).unwrap_or(u64::MAX),
         };
-        let seq = self.append(act)?;
+        let seq = self.append(source, act)?;
         self.history.apply(seq, item, &digest, event);
         Ok(())
     }
@@ -123,6 +138,14 @@ impl Ballot {
     /// # Errors
     /// An item is open, the file is not what was written, or the seal cannot be written.
     pub fn seal(&mut self) -> Result<(), DataError> {
+        self.seal_from(&Source::now())
+    }
+
+    /// As [`Ballot::seal`], of a ballot that was sealed elsewhere.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn seal_from(&mut self, source: &Source) -> Result<(), DataError> {
         let refuse = |place: &str, message: String, hint: &str| {
             Err(DataError::invalid(&self.path, place, message, hint))
         };
@@ -143,9 +166,15 @@ impl Ballot {
                 "start again, and look at it",
             );
         }
-        self.append(Act::Seal { event: SealEvent::Seal, lines: self.lines, sha256: sha256_hex(&bytes) })?;
+        let seal = Act::Seal { event: SealEvent::Seal, lines: self.lines, sha256: sha256_hex(&bytes) };
+        self.append(source, seal)?;
         self.sealed = true;
         Ok(())
+    }
+
+    /// The file that holds it.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Whether the ballot is sealed.
@@ -177,7 +206,7 @@ impl Ballot {
     }
 
     /// Puts a line on the disk; gives its number.
-    fn append(&mut self, act: Act) -> Result<u64, DataError> {
+    fn append(&mut self, source: &Source, act: Act) -> Result<u64, DataError> {
         if !self.is_intact() {
             return Err(DataError::invalid(
                 &self.path,
@@ -188,7 +217,7 @@ impl Ballot {
         }
         let seq = self.lines;
         let log = (&self.round.name, &self.annotator);
-        let bytes = write_line(log, seq, SystemTime::now(), &self.last, act);
+        let bytes = write_line(log, seq, source, &self.last, act);
         if self.length + bytes.len() as u64 > MAX_BYTES {
             return Err(DataError::invalid(&self.path, "size", "is full", "vote in a further round"));
         }

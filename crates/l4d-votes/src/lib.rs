@@ -33,6 +33,7 @@ pub use draw::draw_round;
 pub use item::{Item, ItemId, ItemIdError};
 pub use judged::{Evidence, Judged};
 pub use key::Key;
+pub use line::Source;
 pub use round::{Gold, Round, RoundSettings, SCHEMA};
 pub use round_dir::RoundDir;
 pub use verdict::{ItemVerdict, Outcome};

@@ -63,22 +63,37 @@ pub(crate) struct Link {
     pub(crate) prev: String,
 }
 
+/// When an act happened, and in which program.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Source {
+    pub at: SystemTime,
+    /// For example `l4d 0.1.0`.
+    pub client: String,
+}
+
+impl Source {
+    /// This moment and this program.
+    pub fn now() -> Self {
+        Self { at: SystemTime::now(), client: concat!("l4d ", env!("CARGO_PKG_VERSION")).to_owned() }
+    }
+}
+
 /// The line number `seq` of a log, with its newline; `prev` is the digest of the one before.
 pub(crate) fn write_line(
     (round, annotator): (&Name, &Name),
     seq: u64,
-    at: SystemTime,
+    source: &Source,
     prev: &str,
     act: Act,
 ) -> Vec<u8> {
     Line {
         v: VERSION,
         seq,
-        at: humantime::format_rfc3339_millis(at).to_string(),
+        at: humantime::format_rfc3339_millis(source.at).to_string(),
         round: round.clone(),
         annotator: annotator.clone(),
         act,
-        client: concat!("l4d ", env!("CARGO_PKG_VERSION")).to_owned(),
+        client: source.client.clone(),
         prev: prev.to_owned(),
     }
     .bytes()
@@ -131,8 +146,12 @@ mod tests {
         SystemTime::UNIX_EPOCH + Duration::from_millis(1_700_000_000_123)
     }
 
+    fn source() -> Source {
+        Source { at: at(), ..Source::now() }
+    }
+
     fn line(act: Act) -> String {
-        String::from_utf8(write_line((&name("r1"), &name("ada")), 3, at(), NO_LINE, act)).unwrap()
+        String::from_utf8(write_line((&name("r1"), &name("ada")), 3, &source(), NO_LINE, act)).unwrap()
     }
 
     fn on(event: Event) -> Act {

@@ -63,8 +63,7 @@ pub(crate) fn read_responses(
         let bytes = if path.exists() {
             read_bounded(&path, MAX_BYTES)?
         } else {
-            let hint =
-                format!("let {annotator} vote: `l4d verify-prompts --round {} --as {annotator}`", round.name);
+            let hint = format!("let {annotator} vote: `l4d verify-prompts {} --as {annotator}`", round.name);
             report.warning("L4D503", &path, "file", "there is none: this annotator has not begun", hint);
             Vec::new()
         };

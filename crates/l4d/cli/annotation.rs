@@ -1,4 +1,5 @@
-//! Grammar of the verbs around queries and their annotation: check-queries, stats, open-round, verify-prompts, verdict.
+//! Grammar of the verbs around queries and their annotation: check-queries, stats, open-round, verify-prompts, import-ballot,
+//! verdict.
 
 use std::path::PathBuf;
 
@@ -25,7 +26,7 @@ pub(crate) struct StatsArgs {
     pub(crate) bench: BenchArgs,
     /// Folder that receives tables and figures; default: print only
     #[arg(long, short, value_name = "DIR")]
-    pub(crate) output: Option<PathBuf>,
+    pub(crate) out: Option<PathBuf>,
     /// Replace files that l4d did not write
     #[arg(long)]
     pub(crate) force: bool,
@@ -55,8 +56,17 @@ pub(crate) struct OpenRoundArgs {
     #[arg(long, value_name = "DIR", default_value = "annotation/rounds")]
     pub(crate) rounds: PathBuf,
     /// Who votes (comma-separated or repeated), as many as the panel has
-    #[arg(long, value_name = "NAME", value_delimiter = ',', required = true)]
+    #[arg(long, value_name = "NAME", value_delimiter = ',', required_unless_present = "pack")]
     pub(crate) annotators: Vec<String>,
+    /// Write the page with which this annotator of an open round votes in a browser, without l4d and without a network
+    #[arg(long, value_name = "ANNOTATOR")]
+    pub(crate) pack: Option<String>,
+    /// The page; default: <round>-<annotator>.html
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Folder of the rendered scenes; default: data/<profile of the round>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
     /// Which queries are asked about
     #[arg(long, value_enum, default_value = "candidate")]
     pub(crate) queries: AskedArg,
@@ -77,7 +87,7 @@ pub(crate) struct OpenRoundArgs {
     pub(crate) panel: usize,
     /// How many views annotators may look at
     #[arg(long, value_name = "COUNT", default_value_t = 5)]
-    pub(crate) views: usize,
+    pub(crate) view_count: usize,
     /// Control items as a share of the queries: sentences that mean nothing, and prompts that only name a category
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = number::<f64>(0.0..=1.0))]
     pub(crate) gold: f64,
@@ -107,7 +117,6 @@ pub(crate) enum PictureArg {
 #[derive(Debug, Args)]
 pub(crate) struct VerifyPromptsArgs {
     /// Name of the round
-    #[arg(long, value_name = "NAME")]
     pub(crate) round: String,
     /// Who votes: one of the annotators that the round names
     #[arg(long = "as", value_name = "NAME")]
@@ -127,9 +136,20 @@ pub(crate) struct VerifyPromptsArgs {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct ImportBallotArgs {
+    /// What the page of `l4d open-round --pack` saved, sealed
+    pub(crate) file: PathBuf,
+    /// Folder of all rounds
+    #[arg(long, value_name = "DIR", default_value = "annotation/rounds")]
+    pub(crate) rounds: PathBuf,
+    /// Folder of the rendered scenes; default: data/<profile of the round>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct VerdictArgs {
-    /// The round
-    #[arg(long, value_name = "NAME")]
+    /// Name of the round
     pub(crate) round: String,
     /// Folder of all rounds
     #[arg(long, value_name = "DIR", default_value = "annotation/rounds")]

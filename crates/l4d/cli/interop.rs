@@ -1,6 +1,7 @@
 //! Grammar of the verbs that talk to other tools.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::Args;
 use l4d_data::{Name, Profile, Scale};
@@ -9,6 +10,7 @@ use l4d_import::capture::masks::MaskFormat;
 use l4d_import::export::{DEFAULT_POINTS, Format, HeldOut};
 use l4d_import::results::codec::Codec;
 
+use super::solver::WorkArgs;
 use super::{BenchArgs, one_of};
 use crate::shipped;
 
@@ -120,23 +122,55 @@ fn choice(text: &str) -> Result<(String, String), String> {
     }
 }
 
+/// What an export writes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ExportFormat {
+    /// A scene, for another trainer or evaluator.
+    Scene(Format),
+    /// A trained model, for another viewer.
+    Splats(SplatFormat),
+}
+
+/// How a trained model is written for other viewers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum SplatFormat {
+    /// A PLY of 3DGS for each moment.
+    Ply,
+    /// OpenUSD with time samples.
+    Usd,
+}
+
+impl FromStr for ExportFormat {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "ply" => Ok(Self::Splats(SplatFormat::Ply)),
+            "usd-splats" => Ok(Self::Splats(SplatFormat::Usd)),
+            _ => text.parse().map(Self::Scene).map_err(|error: String| format!("{error}, ply, usd-splats")),
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
     /// Scene to export
     pub(crate) scene: String,
     /// Layout: 4dgaussians, 4dgaussians-dynerf, 4d-langsplat, langsplat, nerfstudio, colmap, coco, davis; with truth for
-    /// evaluators: 4d-langsplat-annotations, lerf-ovs (docs/export)
+    /// evaluators: 4d-langsplat-annotations, lerf-ovs; the trained Gaussians for other viewers: ply, usd-splats (docs/export)
     #[arg(long)]
-    pub(crate) format: Format,
+    pub(crate) format: ExportFormat,
     /// Folder that receives it: empty, missing, or an earlier export of the same kind
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// tiny, small or full; real for captures
     #[arg(long, default_value = "small")]
     pub(crate) profile: Profile,
-    /// Folder of the scenes; default: data/<profile>, or data/captures
-    #[arg(long, value_name = "DIR")]
-    pub(crate) data: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
+    /// A checkpoint of train-splats, or a model of others as for render-splats; default: <work>/<profile>/<scene>/splats
+    #[arg(long, value_name = "PATH")]
+    pub(crate) splats: Option<PathBuf>,
     /// Folder of the benchmark: truth for the formats that hold it
     #[arg(long, value_name = "DIR", default_value_os = shipped::benchmark())]
     pub(crate) bench: PathBuf,

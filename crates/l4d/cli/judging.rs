@@ -165,7 +165,7 @@ pub(crate) struct LeaderboardArgs {
     pub(crate) set: QuerySet,
     /// Folder that receives tables and figures; default: leaderboard, or leaderboard-composites
     #[arg(long, short, value_name = "DIR")]
-    pub(crate) output: Option<PathBuf>,
+    pub(crate) out: Option<PathBuf>,
     /// Seed of the draws behind intervals
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,

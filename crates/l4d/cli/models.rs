@@ -21,7 +21,7 @@ pub(crate) struct EndpointArgs {
     pub(crate) base_url: Option<String>,
     /// Name of the model, as the server knows it
     #[arg(long, value_name = "NAME")]
-    pub(crate) model: Option<String>,
+    pub(crate) vlm: Option<String>,
     /// Environment variable that holds the key; the key itself is never an argument
     #[arg(long, value_name = "VARIABLE")]
     pub(crate) api_key_env: Option<String>,
@@ -126,7 +126,7 @@ pub(crate) struct ProposePromptsArgs {
     pub(crate) frames: u32,
     /// Training views that the model sees beside the held-out one
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=16))]
-    pub(crate) training_views: u32,
+    pub(crate) view_count: u32,
     /// Pictures are enlarged until they are at least this wide, pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 512, value_parser = clap::value_parser!(u32).range(128..=1920))]
     pub(crate) width: u32,

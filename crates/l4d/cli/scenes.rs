@@ -82,7 +82,7 @@ pub(crate) struct BuildScenesArgs {
     pub(crate) samples: Option<u32>,
     /// Render again what other scripts, seeds or samples rendered before
     #[arg(long)]
-    pub(crate) overwrite: bool,
+    pub(crate) force: bool,
     /// Replace committed tracks and truth that differ from what was built
     #[arg(long)]
     pub(crate) update_benchmark: bool,
@@ -111,7 +111,7 @@ pub(crate) struct SheetArgs {
     pub(crate) data: Option<PathBuf>,
     /// PNG to write; default: <data>/<scene>/sheet.png, for the overview <data>/overview.png
     #[arg(long, short, value_name = "PNG")]
-    pub(crate) output: Option<PathBuf>,
+    pub(crate) out: Option<PathBuf>,
     /// Moments, canonical frames; default: five evenly spaced, in the overview three
     #[arg(long, value_name = "FRAME", value_delimiter = ',')]
     pub(crate) frames: Vec<u32>,
@@ -197,7 +197,7 @@ pub(crate) struct ArrangeArgs {
     pub(crate) count: u64,
     /// Pictures of each layout
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=17))]
-    pub(crate) views: u32,
+    pub(crate) view_count: u32,
     /// Light samples a pixel
     #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(crate) samples: u32,

@@ -75,7 +75,7 @@ pub(crate) struct MethodArgs {
     pub(crate) preset: Preset,
     /// Views that are looked at, at most (the paper's V)
     #[arg(long, value_name = "V", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=64))]
-    pub(crate) views: u32,
+    pub(crate) view_count: u32,
     /// Seed of the first view; the others are the farthest from those before
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     pub(crate) view_seed: u64,
@@ -150,7 +150,7 @@ pub(crate) struct SolveArgs {
     pub(crate) reader: ReaderArgs,
     /// Answer again what was answered by another version or with other settings under this name
     #[arg(long)]
-    pub(crate) overwrite: bool,
+    pub(crate) force: bool,
     /// Say what a model server would be asked and what that may cost, and send nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
@@ -190,15 +190,15 @@ pub(crate) struct QueryArgs {
     pub(crate) splats: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) reader: ReaderArgs,
-    /// Cameras from which masks are drawn (comma-separated or repeated); default: the held-out one
+    /// Views from which masks are drawn (comma-separated or repeated); default: the held-out one
     #[arg(long, value_name = "VIEW", value_delimiter = ',')]
-    pub(crate) camera: Vec<String>,
+    pub(crate) views: Vec<String>,
     /// Other cameras: JSON with width, height and cameras as in scene.json
     #[arg(long, value_name = "JSON")]
     pub(crate) cameras: Option<PathBuf>,
     /// Times at which masks are drawn, 0 (start of the clip) to 1 (its end); default: the frames of the clips
     #[arg(long, value_name = "TIME", value_delimiter = ',', value_parser = number::<f32>(0.0..=1.0))]
-    pub(crate) time: Vec<f32>,
+    pub(crate) times: Vec<f32>,
     /// Width and height of the masks, pixels; default: those of the clips, or of --cameras
     #[arg(long, value_name = "WxH")]
     pub(crate) size: Option<PixelSize>,
@@ -235,7 +235,7 @@ pub(crate) struct AblateArgs {
     /// category (grid mvsc with the oracle); other errors are those of --noise
     #[arg(long)]
     pub(crate) calibrate: bool,
-    /// Numbers of views (grid views), in place of --views
+    /// Numbers of views (grid views), in place of --view-count
     #[arg(long, value_name = "V", value_delimiter = ',', default_values_t = [1, 4, 6, 8, 10, 12], value_parser = clap::value_parser!(u32).range(1..=64))]
     pub(crate) view_counts: Vec<u32>,
     /// Files as for --grounder-file, a row each, called as the file (grid vlm)
@@ -252,7 +252,7 @@ pub(crate) struct AblateArgs {
     pub(crate) jobs: u32,
     /// Answer again what was answered with other settings
     #[arg(long)]
-    pub(crate) overwrite: bool,
+    pub(crate) force: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -276,7 +276,7 @@ pub(crate) struct BenchLiftArgs {
     pub(crate) noise: Option<PathBuf>,
     /// Views that are looked at, at most
     #[arg(long, value_name = "V", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=64))]
-    pub(crate) views: u32,
+    pub(crate) view_count: u32,
     /// Queries of each scene, evenly from its list
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) queries: u32,

@@ -80,7 +80,7 @@ pub(crate) struct TrainSplatsArgs {
     pub(crate) adapter: AdapterArgs,
     /// Replace a model that has other settings or pictures
     #[arg(long)]
-    pub(crate) overwrite: bool,
+    pub(crate) force: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -88,8 +88,8 @@ pub(crate) struct TrainSplatsArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderSplatsArgs {
-    /// Scene whose model, cameras and size are meant; not needed with --model and --cameras
-    #[arg(required_unless_present_all = ["model", "cameras"])]
+    /// Scene whose model, cameras and size are meant; not needed with --splats and --cameras
+    #[arg(required_unless_present_all = ["splats", "cameras"])]
     pub(crate) scene: Option<String>,
     /// Frames that are drawn, and where things are by default: tiny, small or full; real for captures
     #[arg(long, default_value = "small")]
@@ -99,7 +99,7 @@ pub(crate) struct RenderSplatsArgs {
     /// A checkpoint of train-splats, a model of 4DGaussians or 4D LangSplat (folder or chkpnt*.pth), a .pt of gsplat, or a PLY
     /// of 3DGS; default: <work>/<profile>/<scene>/splats
     #[arg(long, value_name = "PATH")]
-    pub(crate) model: Option<PathBuf>,
+    pub(crate) splats: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) reader: ReaderArgs,
     /// Other cameras: JSON with width, height and cameras as in scene.json
@@ -108,6 +108,12 @@ pub(crate) struct RenderSplatsArgs {
     /// Only these views (comma-separated or repeated); default: all training views
     #[arg(long, value_name = "VIEW", value_delimiter = ',')]
     pub(crate) views: Vec<String>,
+    /// One camera in their place that moves along their arc over the clip and looks at what they look at
+    #[arg(long)]
+    pub(crate) orbit: bool,
+    /// One camera in their place that flies from view to view over the clip, for example cam00,cam05,cam02
+    #[arg(long, value_name = "VIEW", value_delimiter = ',')]
+    pub(crate) path: Vec<String>,
     /// Only these frames; default: those of the profile, or those of the capture that the model was trained on
     #[arg(long, value_name = "FRAME", value_delimiter = ',')]
     pub(crate) frames: Vec<u32>,
@@ -127,7 +133,7 @@ pub(crate) struct RenderSplatsArgs {
     /// What shows where nothing is: black, white or red,green,blue from 0 to 1; default: what the model says, or black
     #[arg(long, value_name = "COLOUR")]
     pub(crate) background: Option<Background>,
-    /// Folder that receives the clips; default: <work>/<profile>/<scene>/clips
+    /// Folder that receives the clips; default: <work>/<profile>/<scene>/clips, or flight for --orbit and --path
     #[arg(long, short, value_name = "DIR", required_unless_present = "scene")]
     pub(crate) out: Option<PathBuf>,
     /// Also write what the Gaussians mean, of models of 4D LangSplat: <out>/language/<view>/<moment>.npy, as its render.py
@@ -140,7 +146,7 @@ pub(crate) struct RenderSplatsArgs {
     pub(crate) adapter: AdapterArgs,
     /// Replace clips of another model or other settings
     #[arg(long)]
-    pub(crate) overwrite: bool,
+    pub(crate) force: bool,
 }
 
 /// A scene and what a page shows of it.
@@ -247,7 +253,7 @@ pub(crate) struct BenchSplatsArgs {
     pub(crate) work: WorkArgs,
     /// The model; default: <work>/<profile>/<scene>/splats
     #[arg(long, value_name = "PATH")]
-    pub(crate) model: Option<PathBuf>,
+    pub(crate) splats: Option<PathBuf>,
     /// Gaussians of the made-up room
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
     pub(crate) gaussians: u32,
@@ -263,7 +269,7 @@ pub(crate) struct BenchSplatsArgs {
     pub(crate) sweeps: Vec<Sweep>,
     /// Views, the held-out one among them
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=16))]
-    pub(crate) views: u32,
+    pub(crate) view_count: u32,
     /// Times, evenly spaced
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=97))]
     pub(crate) times: u32,

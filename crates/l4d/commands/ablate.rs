@@ -43,7 +43,7 @@ pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
     };
     let names = ["csv", "md"].map(|ending| format!("{}.{ending}", grid.table()));
     let others = ["views.svg", "views.png", "calibration.csv"].map(str::to_owned);
-    let _claim = Claim::take(&folder, names.into_iter().chain(others).collect(), None, args.overwrite)?;
+    let _claim = Claim::take(&folder, names.into_iter().chain(others).collect(), None, args.force)?;
     let ablated = ablate(
         &Ablation {
             grid,
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
             grounder_files: args.grounder_files.clone(),
             seed: args.seed,
             jobs: args.jobs as usize,
-            overwrite: args.overwrite,
+            overwrite: args.force,
             rasterizer: opened.rasterizer.as_ref(),
             adapter: opened.adapter,
         },

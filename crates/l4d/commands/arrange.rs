@@ -21,7 +21,7 @@ pub(crate) fn run(args: &ArrangeArgs, out: &Printer) -> Result<ExitStatus> {
     let options = ArrangeOptions {
         first: args.seed,
         count: args.count,
-        views: args.views,
+        views: args.view_count,
         samples: args.samples,
         out: &args.out,
         work: &choice.work,

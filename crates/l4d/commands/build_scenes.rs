@@ -38,7 +38,7 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
             Profile::Full | Profile::Real => 16,
         }),
         tracks_only: args.tracks_only,
-        overwrite: args.overwrite,
+        overwrite: args.force,
         update_benchmark: args.update_benchmark,
         jobs: args.jobs,
         part: &part,

@@ -1,26 +1,32 @@
-//! `l4d export`: a scene, rendered or captured, in the layout of another tool.
+//! `l4d export`: a scene, rendered or captured, in the layout of another tool; its trained model for another viewer.
+
+mod splats;
 
 use anyhow::Result;
+use l4d_data::Name;
 use l4d_data::Progress as _;
 use l4d_data::layout::BenchDir;
 use l4d_data::query::{Query, read_queries};
 use l4d_data::truth::Truth;
-use l4d_data::{Name, Workspace};
 use l4d_import::annotations::Judged;
 use l4d_import::export::{ExportRequest, Origin, export, picture_count};
 
-use crate::cli::interop::ExportArgs;
+use crate::cli::interop::{ExportArgs, ExportFormat};
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.scene)?;
-    let space = space(args);
+    let space = args.work.space(args.profile);
+    let format = match args.format {
+        ExportFormat::Splats(format) => return splats::run(args, &name, format, out),
+        ExportFormat::Scene(format) => format,
+    };
     let (rendering, capture) = (space.scene(&name), space.capture(&name));
     let origin = match args.profile.is_rendered() {
         true => Origin::Rendered(&rendering),
         false => Origin::Captured(&capture),
     };
-    let answers = if args.format.needs_truth() { Some(answers(args, &name)?) } else { None };
+    let answers = if format.needs_truth() { Some(answers(args, &name)?) } else { None };
     let bench = BenchDir::new(&args.bench);
     let judged = answers
         .as_ref()
@@ -28,7 +34,7 @@ pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
         .transpose()?;
     let request = ExportRequest {
         origin,
-        format: args.format,
+        format,
         out: &args.out,
         frames: &args.frames,
         held_out: args.held_out,
@@ -45,10 +51,6 @@ pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
         false => out.data(exported.path.display())?,
     }
     Ok(ExitStatus::Success)
-}
-
-fn space(args: &ExportArgs) -> Workspace {
-    Workspace::new(args.profile).with_data(args.data.as_deref())
 }
 
 fn answers(args: &ExportArgs, name: &Name) -> Result<(Truth, Vec<Query>)> {

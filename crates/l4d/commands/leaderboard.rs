@@ -21,7 +21,7 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
     let set = args.set;
     let exam = Exam::open(bench, args.bench.profile, set, &args.bench.scenes, &mut report)?;
     let scores = args.scores.clone().unwrap_or_else(|| default_scores(set.as_str(), None));
-    let output = args.output.clone().unwrap_or_else(|| default_leaderboard(set.as_str()));
+    let output = args.out.clone().unwrap_or_else(|| default_leaderboard(set.as_str()));
     let (board, found) = gather(&scores, &exam, args.seed).map_err(|error| with_hint(error, &scores))?;
     report.extend(found);
     let publish = |media: Option<&Media<'_>>| {

@@ -1,6 +1,8 @@
 //! `l4d open-round`: draws what annotators are asked, from the benchmark or from what an earlier round rejected.
 
 mod again;
+#[cfg(feature = "annotate")]
+mod pack;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -20,6 +22,9 @@ use crate::out::{ExitStatus, Printer, refusal};
 pub(crate) fn run(args: &OpenRoundArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(args.name.as_str())?;
     let dir = RoundDir::new(args.rounds.join(name.as_str()));
+    if let Some(annotator) = &args.pack {
+        return pack(args, &dir, annotator, out);
+    }
     refuse_to_replace(&dir, args.force)?;
     let bench = Benchmark::open(&args.bench.bench)?;
     let wanted = match &args.from {
@@ -55,8 +60,16 @@ pub(crate) fn run(args: &OpenRoundArgs, out: &Printer) -> Result<ExitStatus> {
     } else {
         format!(" --rounds {}", args.rounds.display())
     };
-    out.note(format!("next: `l4d verify-prompts --round {} --as {first}{place}`", round.name));
+    out.note(format!("next: `l4d verify-prompts {} --as {first}{place}`", round.name));
     Ok(ExitStatus::Success)
+}
+
+#[cfg(feature = "annotate")]
+use pack::run as pack;
+
+#[cfg(not(feature = "annotate"))]
+fn pack(_: &OpenRoundArgs, _: &RoundDir, _: &str, _: &Printer) -> Result<ExitStatus> {
+    Err(crate::out::not_built_in("the page for voting in a browser", "annotate"))
 }
 
 /// The settings of a round that asks so many queries.
@@ -77,7 +90,7 @@ fn settings(args: &OpenRoundArgs, name: Name, queries: usize) -> Result<RoundSet
         seed: args.seed,
         annotators,
         simulated: args.simulated,
-        views: args.views,
+        views: args.view_count,
         repeats: share_of(queries, args.repeats),
         gold,
     })

@@ -31,7 +31,7 @@ pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus
         vocabulary: vocabulary.as_ref(),
         per_category: args.per_category,
         frames: args.frames as usize,
-        training_views: args.training_views as usize,
+        training_views: args.view_count as usize,
         width_px: args.width,
         manner: manner(&args.ask),
         force: args.force,

@@ -90,13 +90,13 @@ fn steps(args: &QuickstartArgs, scene: &Name, folder: &Path) -> Vec<(&'static st
         &["--scenes", scene, "--data", &data, "--blender-scripts", &scripts, "--work", &blender],
     );
     // The folder is the quickstart's own, so what an older version left there may go.
-    build.extend(["--overwrite".to_owned(), "--update-benchmark".to_owned()]);
+    build.extend(["--force".to_owned(), "--update-benchmark".to_owned()]);
     if let Some(python) = &args.python.python {
         build.extend(["--python".to_owned(), text(python)]);
     }
     let solve = |grounder: &str| {
         let folders = ["--data", &data, "--work", &work, "--results", &results];
-        common("solve", &[&["--grounder", grounder][..], &folders, &["--overwrite"]].concat())
+        common("solve", &[&["--grounder", grounder][..], &folders, &["--force"]].concat())
     };
     vec![
         ("Blender renders RGB, depth and instance ids from five cameras; one is held out", build),
@@ -121,7 +121,7 @@ fn steps(args: &QuickstartArgs, scene: &Name, folder: &Path) -> Vec<(&'static st
             "Tables, figures and a page",
             common(
                 "leaderboard",
-                &[&scores, "--output", &board, "--html", "--results", &results, "--data", &data],
+                &[&scores, "--out", &board, "--html", "--results", &results, "--data", &data],
             ),
         ),
     ]

@@ -6,7 +6,9 @@ use anyhow::Result;
 use l4d_data::store::Claim;
 use l4d_data::{Name, Progress as _, Timeline};
 use l4d_frames::moving_picture::{self, Pace};
-use l4d_solve::clips::{self, ClipsFolder, ClipsRequest, DepthEntry, Look, Overwrite, Preview, Wanted};
+use l4d_solve::clips::{
+    self, ClipsFolder, ClipsRequest, DepthEntry, Flight, Look, Overwrite, Preview, Wanted,
+};
 
 use crate::cli::splats::RenderSplatsArgs;
 use crate::out::{ExitStatus, Printer, refusal};
@@ -18,10 +20,11 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
     let wanted = Wanted {
         scene: scene.as_ref(),
         space: &space,
-        model: args.model.as_deref(),
+        model: args.splats.as_deref(),
         reader_options: args.reader.options(),
         cameras: args.cameras.as_deref(),
         views: &args.views,
+        flight: flight(args),
         frames: &args.frames,
         times: &args.times,
         size: args.size.map(|size| size.0),
@@ -48,11 +51,11 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
         background: args.background.map(|colour| colour.0).or(source.background).unwrap_or_default(),
         depth: DepthEntry::new(args.depth, args.depth_format),
     };
-    let overwrite = if args.overwrite { Overwrite::Always } else { Overwrite::Never };
+    let overwrite = if args.force { Overwrite::Always } else { Overwrite::Never };
     let folder = ClipsFolder::claim(root, look, &plan, overwrite)?;
 
     let names = ["language/", "preview.mp4", "preview.png"].map(str::to_owned).to_vec();
-    let _claim = Claim::take(folder.root(), names, None, args.overwrite)?;
+    let _claim = Claim::take(folder.root(), names, None, args.force)?;
     let total = plan.pictures().count();
     out.start("drawing", total as u64);
     let start = Instant::now();
@@ -79,6 +82,13 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
         out.data(path.display())?;
     }
     Ok(ExitStatus::Success)
+}
+
+fn flight(args: &RenderSplatsArgs) -> Option<Flight> {
+    match args.path.as_slice() {
+        [] => args.orbit.then_some(Flight::Orbit),
+        stops => Some(Flight::Path(stops.to_vec())),
+    }
 }
 
 fn pace(instants: &[clips::Instant], timeline: Timeline) -> Pace {

@@ -42,7 +42,7 @@ fn draw_scene(args: &SheetArgs, space: &Workspace, scene: &str) -> Result<PathBu
         queries: &queries,
         plain: args.plain,
     };
-    let path = args.output.clone().unwrap_or_else(|| dir.sheet());
+    let path = args.out.clone().unwrap_or_else(|| dir.sheet());
     save_ours(&sheet.draw()?, &path, args.force)?;
     Ok(path)
 }
@@ -70,7 +70,7 @@ fn draw_overview(args: &SheetArgs, space: &Workspace, out: &Printer) -> Result<P
         out.note(format!("not built, so not shown: {missing} of {} scenes", chosen.len()));
     }
     let frames = if args.frames.is_empty() { OVERVIEW_FRAMES.to_vec() } else { args.frames.clone() };
-    let path = args.output.clone().unwrap_or_else(|| space.overview());
+    let path = args.out.clone().unwrap_or_else(|| space.overview());
     save_ours(&overview(&scenes, &frames)?, &path, args.force)?;
     Ok(path)
 }

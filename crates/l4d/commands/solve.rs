@@ -37,7 +37,7 @@ pub(crate) fn run(args: &SolveArgs, out: &Printer) -> Result<ExitStatus> {
         adapter: opened.adapter,
         control: args.control,
         jobs: args.jobs as usize,
-        overwrite: args.overwrite,
+        overwrite: args.force,
         used_depth: args.used_depth,
         reader_options: args.reader.options(),
     };

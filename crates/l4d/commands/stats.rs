@@ -19,7 +19,7 @@ pub(crate) fn run(args: &StatsArgs, out: &Printer) -> Result<ExitStatus> {
     let scenes = bench.select(&args.bench.scenes)?;
     let mut report = Report::default();
     let stats = measure(&bench, args.bench.profile, &scenes, &mut report)?;
-    if let Some(folder) = &args.output {
+    if let Some(folder) = &args.out {
         let tables = [
             ("datasets.csv", csv_of(&stats.datasets)?),
             ("scenes.csv", csv_of(&stats.scenes)?),

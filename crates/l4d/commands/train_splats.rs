@@ -31,7 +31,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         depth_weight: args.depth_weight,
         sampling: Sampling { shrink: args.shrink, every: args.every },
         between_checkpoints: Duration::from_secs_f64(args.checkpoint_seconds),
-        overwrite: args.overwrite,
+        overwrite: args.force,
         rasterizer: opened.rasterizer.as_ref(),
         adapter: opened.adapter,
     };

@@ -67,7 +67,7 @@ fn asked_for(server: &ServerArgs) -> Option<&'static str> {
     let given = [
         ("--endpoint", endpoint.endpoint.is_some()),
         ("--base-url", endpoint.base_url.is_some()),
-        ("--model", endpoint.model.is_some()),
+        ("--vlm", endpoint.vlm.is_some()),
         ("--api-key-env", endpoint.api_key_env.is_some()),
         ("--server", endpoint.server.is_some()),
         ("--link", endpoint.link != Link::Live),

@@ -137,7 +137,7 @@ impl List {
             return Ok(());
         }
         let message = "was not written by l4d, or was changed since";
-        let hint = "move it away, choose another place, or replace it with --force (--overwrite where a verb has that)";
+        let hint = "move it away, choose another place, or replace it with --force";
         Err(DataError::invalid(&path, "file", message, hint))
     }
 }

@@ -39,7 +39,7 @@ pub(super) fn measure(variant: &Variant, order: &Ablation<'_>, progress: &dyn Pr
         let why = first.map(|finding| format!("{}: {}", finding.path, finding.message)).unwrap_or_default();
         return Err(StageError::new(
             format!("row `{}` cannot be scored: {why}", variant.setting),
-            "replace its answers with --overwrite",
+            "replace its answers with --force",
         ));
     };
     let rows = counts::read(&counts_path(&scores, &summary.name))?;

@@ -110,7 +110,7 @@ fn compare_listing(
 pub(super) fn check_against_tracks(scene: &Scene, tracks: &Tracks, dir: &SceneDir, report: &mut Report) {
     let path = dir.scene();
     let mut differs = |place: String, message: &str| {
-        let hint = "build tracks and pictures from the same recipe: `l4d build-scenes --overwrite`, \
+        let hint = "build tracks and pictures from the same recipe: `l4d build-scenes --force`, \
                     with --update-benchmark if the recipe is meant to have changed";
         report.error("L4D112", &path, place, format!("{message} differs from the tracks"), hint);
     };

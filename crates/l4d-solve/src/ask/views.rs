@@ -45,7 +45,7 @@ pub(super) fn wanted(
         if instants.is_empty() {
             return Err(StageError::new(
                 format!("no moment of the masks lies between frames {} and {}", range.first(), range.last()),
-                "widen --from and --to, or choose another --time; clips have some frames alone",
+                "widen --from and --to, or choose other --times; clips have some frames alone",
             ));
         }
     }

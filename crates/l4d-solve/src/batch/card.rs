@@ -65,7 +65,7 @@ impl Card {
             if before != card {
                 return Err(StageError::new(
                     format!("{}: holds results of another profile, version or benchmark", path.display()),
-                    "give the method another --name or --results, or replace its answers with --overwrite",
+                    "give the method another --name or --results, or replace its answers with --force",
                 ));
             }
         }

@@ -208,7 +208,7 @@ impl ClipsFolder {
                 &root,
                 "clips",
                 format!("were drawn with another {what}"),
-                "choose another --out, or replace them with --overwrite",
+                "choose another --out, or replace them with --force",
             ));
         }
         let is_stale = overwrite == Overwrite::Always || differs.is_some();
@@ -238,7 +238,7 @@ impl ClipsFolder {
                 &path,
                 "file",
                 "no manifest says what this file is",
-                "choose another --out, or replace such files with --overwrite",
+                "choose another --out, or replace such files with --force",
             )),
             None => Ok(()),
         }

@@ -8,7 +8,7 @@ use l4d_splat::checkpoint::foreign::Moments;
 use l4d_splat::checkpoint::own::Sampling;
 use l4d_splat::source::{ReaderOptions, Source};
 
-use super::{Instant, Plan, instants_at};
+use super::{Flight, Instant, Plan, instants_at};
 
 /// What a user asks for; everything that is left out has its default.
 #[derive(Debug)]
@@ -25,6 +25,8 @@ pub struct Wanted<'a> {
     pub cameras: Option<&'a Path>,
     /// Names of the cameras; empty for all training ones.
     pub views: &'a [String],
+    /// A camera that flies along them, in place of them.
+    pub flight: Option<Flight>,
     /// Canonical frames.
     pub frames: &'a [u32],
     /// Times, 0 to 1, in place of frames.
@@ -56,11 +58,11 @@ impl ClipsRequest {
     /// # Errors
     /// Neither scene nor paths, unknown views, frames or times outside the clip.
     pub fn of(wanted: &Wanted<'_>) -> Result<Self, StageError> {
-        let Wanted { scene, space, .. } = *wanted;
+        let &Wanted { scene, space, .. } = wanted;
         let work = scene.map(|scene| space.work(scene));
         let place = |given: Option<&Path>, default: fn(&WorkDir) -> PathBuf| {
             given.map(Path::to_owned).or_else(|| work.as_ref().map(default)).ok_or_else(|| {
-                StageError::new("there is no scene", "name a scene, or --model, --cameras and --out")
+                StageError::new("there is no scene", "name a scene, or --splats, --cameras and --out")
             })
         };
         let model = place(wanted.model, WorkDir::splats)?;
@@ -86,7 +88,11 @@ impl ClipsRequest {
             None => (rig.size(), rig.size()),
         };
         let timeline = clip.timeline();
-        let cameras = chosen(rig.cameras, wanted.views)?;
+        let cameras = match &wanted.flight {
+            None => chosen(rig.cameras, wanted.views)?,
+            Some(flight @ Flight::Path(_)) => vec![flight.camera(&rig.cameras, timeline)?],
+            Some(flight) => vec![flight.camera(&chosen(rig.cameras, wanted.views)?, timeline)?],
+        };
         let clip = clip.clip(space.profile());
         let instants = match wanted.times {
             [] => instants(wanted.frames, &sampling.moments(&clip), timeline)?,
@@ -99,7 +105,11 @@ impl ClipsRequest {
         };
         let plan = Plan { cameras, camera_size, size, instants };
         plan.pictures().try_for_each(|index| plan.view(index).map(drop))?;
-        Ok(Self { model, source, out: place(wanted.out, WorkDir::clips)?, plan, timeline })
+        let default: fn(&WorkDir) -> PathBuf = match wanted.flight {
+            None => WorkDir::clips,
+            Some(_) => |work| work.clips().with_file_name("flight"),
+        };
+        Ok(Self { model, source, out: place(wanted.out, default)?, plan, timeline })
     }
 }
 

@@ -107,7 +107,7 @@ impl SplatsFolder {
         if let Some(difference) = difference {
             return Err(StageError::new(
                 format!("{}: holds another model: {difference}", self.0.display()),
-                "say --overwrite to replace it, or choose another --out",
+                "say --force to replace it, or choose another --out",
             ));
         }
         let is_done = checkpoint.training.values.get("done") == Some(&Value::Bool(true));

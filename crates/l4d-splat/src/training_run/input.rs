@@ -35,7 +35,7 @@ impl Input {
         if source.training().next().is_none() {
             return Err(StageError::new(
                 format!("{}: field `cameras`: none has split `train`", dir.root().display()),
-                "build the scene again with `l4d build-scenes --overwrite`, or import it again and hold fewer views out",
+                "build the scene again with `l4d build-scenes --force`, or import it again and hold fewer views out",
             ));
         }
         let (mut views, mut digests) = (empty(dir, source)?, Digests::new());

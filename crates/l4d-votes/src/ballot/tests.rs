@@ -1,6 +1,6 @@
 use super::*;
 use crate::fixture::{folder, items, name, objects, round_of, whole};
-use crate::line::NO_LINE;
+use crate::line::{NO_LINE, Source};
 
 fn round() -> Round {
     round_of(&["ada", "ben"], items("room", &["The cat", "The dog", "The toy"]))
@@ -148,7 +148,8 @@ fn a_clock_that_stands_behind_the_last_event_is_said() {
         elapsed_ms: 0,
     };
     fs::create_dir_all(dir.votes()).unwrap();
-    fs::write(dir.ballot(&ada), write_line((&round.name, &ada), 0, tomorrow, NO_LINE, act)).unwrap();
+    let source = Source { at: tomorrow, ..Source::now() };
+    fs::write(dir.ballot(&ada), write_line((&round.name, &ada), 0, &source, NO_LINE, act)).unwrap();
     let (mut ballot, notices) = open(&dir).unwrap();
     assert_eq!(notices.iter().map(|notice| notice.code).collect::<Vec<_>>(), ["L4D515"]);
     record(&mut ballot, 2, choose("rex")).unwrap();

@@ -84,7 +84,7 @@ pub fn check(judged: &Judged, rounds: &Path, bench: &Benchmark) -> Result<Report
     let mut report = Report::default();
     judged.findings().into_iter().for_each(|finding| report.add(finding));
     let agreement = measure(&judged.round, &judged.key, &judged.responses);
-    let hint = format!("run `l4d verdict --round {}`", judged.round.name);
+    let hint = format!("run `l4d verdict {}`", judged.round.name);
     for (path, bytes) in [
         (judged.dir.verdicts(), verdict_bytes(judged)?),
         (judged.dir.agreement(), agreement_bytes(&agreement)?),

@@ -5,7 +5,7 @@ use l4d_data::digest::sha256_hex;
 
 use super::*;
 use crate::fixture::{items, name, noon, round_of, whole};
-use crate::line::{SealEvent, write_line};
+use crate::line::{SealEvent, Source, write_line};
 use crate::vote::{Choice, Event, ShownFrames};
 
 /// A log of `ada` in `r1`, written line by line without a [`crate::Ballot`].
@@ -20,7 +20,8 @@ impl Log {
         let mut place = (name("r1"), name("ada"), seq, noon() + Duration::from_secs(seq));
         change(&mut place);
         let (round, annotator, seq, at) = place;
-        self.0.push(write_line((&round, &annotator), seq, at, &prev, act));
+        let source = Source { at, ..Source::now() };
+        self.0.push(write_line((&round, &annotator), seq, &source, &prev, act));
         self
     }
 

@@ -14,56 +14,54 @@ const ALWAYS: &[(&str, &str)] = &[
         "bench profile scenes python blender_scripts work data tracks_only jobs update_benchmark",
     ),
     ("check-scenes", "bench profile scenes data json"),
-    ("sheet", "bench profile data output frames force"),
+    ("sheet", "bench profile data out frames force"),
     ("compose", "list python blender_scripts work json"),
-    ("arrange", "out seed count views samples jobs python blender_scripts work json"),
+    ("arrange", "out seed count view_count samples jobs python blender_scripts work json"),
     ("check-queries", "bench profile scenes against json"),
-    ("stats", "bench profile scenes output json"),
-    ("endpoint check", "endpoint base_url model server link json"),
-    ("endpoint calibrate", "endpoint base_url model server link pictures size answer_tokens work json"),
+    ("stats", "bench profile scenes out json"),
+    ("endpoint check", "endpoint base_url vlm server link json"),
+    ("endpoint calibrate", "endpoint base_url vlm server link pictures size answer_tokens work json"),
     (
         "propose-prompts",
-        "bench profile scenes endpoint base_url model server link cache refresh max_cost max_tokens_total repeat \
-         answer_tokens dry_run data out per_category frames training_views width jobs shard force json",
+        "bench profile scenes endpoint base_url vlm server link cache refresh max_cost max_tokens_total repeat \
+         answer_tokens dry_run data out per_category frames view_count width jobs shard force json",
     ),
     (
         "propose-scenes",
-        "bench endpoint base_url model server link cache refresh max_cost max_tokens_total repeat answer_tokens dry_run \
+        "bench endpoint base_url vlm server link cache refresh max_cost max_tokens_total repeat answer_tokens dry_run \
          out scales per_scale force json",
     ),
-    (
-        "open-round",
-        "bench profile scenes rounds annotators from sample edited_only panel views gold repeats seed simulated force",
-    ),
-    ("verify-prompts", "round annotator rounds data picture work"),
-    ("verdict", "round rounds bench check json"),
+    ("open-round", "bench rounds pack force"),
+    ("import-ballot", "rounds data"),
+    ("verify-prompts", "annotator rounds data picture work"),
+    ("verdict", "rounds bench check json"),
     (
         "train-splats",
         "profile bench data work out init gaussians sh_degree dynamic_threshold coarse unfold fine views_per_iteration \
-         depth_weight patience seed checkpoint_seconds adapter overwrite json",
+         depth_weight patience seed checkpoint_seconds adapter force json",
     ),
     (
         "render-splats",
-        "profile data work model reader sh_degree near cameras views times size depth depth_format background out language \
-         preview adapter overwrite",
+        "profile data work splats reader sh_degree near cameras times size depth depth_format background out language \
+         preview adapter force",
     ),
     ("view", "bench profile data work splats reader sh_degree near methods out force"),
     (
         "solve",
-        "bench profile scenes grounder preset views view_seed clip_size clip_every no_consensus lift adapter data work set \
-         queries name results answers jobs shard used_depth reader sh_degree near overwrite json",
+        "bench profile scenes grounder preset view_count view_seed clip_size clip_every no_consensus lift adapter data work set \
+         queries name results answers jobs shard used_depth reader sh_degree near force json",
     ),
     ("query", "profile grounder data work bench"),
     (
         "serve",
-        "bench profile data work splats reader sh_degree near methods grounder preset views view_seed clip_size \
+        "bench profile data work splats reader sh_degree near methods grounder preset view_count view_seed clip_size \
          clip_every no_consensus lift adapter port",
     ),
     (
         "ablate",
-        "bench profile scenes preset view_seed clip_size clip_every lift adapter data work out seed jobs overwrite json",
+        "bench profile scenes preset view_seed clip_size clip_every lift adapter data work out seed jobs force json",
     ),
-    ("export", "format out profile data bench held_out json"),
+    ("export", "format out profile data work bench json"),
     ("import-scene", "name out json"),
     (
         "import",
@@ -77,15 +75,16 @@ const ALWAYS: &[(&str, &str)] = &[
     ),
     ("check-results", "bench profile scenes set max_megabytes json"),
     ("score", "bench profile scenes set protocol scores resize max_megabytes verified_only force json"),
-    ("leaderboard", "bench profile scenes set output seed html force json"),
-    ("bench splats", "profile data work sweeps views times repeats out force json"),
-    ("bench lift", "profile bench data work noise views queries quick adapter out force json"),
+    ("leaderboard", "bench profile scenes set out seed html force json"),
+    ("bench splats", "profile data work sweeps view_count times repeats out force json"),
+    ("bench lift", "profile bench data work noise view_count queries quick adapter out force json"),
     ("release", "bench check json"),
     (
         "cluster init",
         "bench profile scenes python blender_scripts work data results scores leaderboard workflow engine jobs runtime \
          install force",
     ),
+    ("man", "out force"),
     ("download", "scenes splits parts data work bench verify_only json"),
     ("host codabench", "bench profile rounds out force json date until track url creators wheel"),
     ("host huggingface", "bench profile rounds out force json dataset"),
@@ -94,7 +93,10 @@ const ALWAYS: &[(&str, &str)] = &[
 /// Choices that clap does not know the values of, since libraries read them.
 const CHOICES: &[(&str, &str)] = &[
     ("profile", "tiny small full real"),
-    ("format", "4dgaussians coco lerf-ovs langsplat langsplat-masks refersplat mevis-rle davis own.toml"),
+    (
+        "format",
+        "4dgaussians coco lerf-ovs ply usd-splats langsplat langsplat-masks refersplat mevis-rle davis own.toml",
+    ),
     ("engine", "slurm local kubernetes"),
     ("source", "neu3d interdigital hypernerf colmap nerfstudio"),
     ("inside", "mask selected"),

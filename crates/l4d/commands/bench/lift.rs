@@ -23,7 +23,7 @@ pub(crate) fn run(args: &BenchLiftArgs, out: &Printer) -> Result<ExitStatus> {
         exam: &exam,
         space: &space,
         noise: args.noise.as_deref().map(NoisePreset::read).transpose()?,
-        views: args.views as usize,
+        views: args.view_count as usize,
         queries: args.queries as usize,
         is_quick: args.quick,
         folder: &folder,

@@ -1,0 +1,97 @@
+//! A trained model in the formats of other viewers.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use l4d_data::store::Claim;
+use l4d_data::{Name, Progress as _, Rig, StageError, json};
+use l4d_splat::checkpoint::{ply, usd};
+use l4d_splat::source::Source;
+use l4d_splat::splats::Splats;
+use serde::Serialize;
+
+use crate::cli::interop::{ExportArgs, SplatFormat};
+use crate::out::{ExitStatus, Printer, refusal};
+
+const MANIFEST: &str = "l4d-export.json";
+const TRAIN_AGAIN: &str = "give another model, or train this one again";
+
+/// What the folder holds.
+#[derive(Debug, Serialize)]
+struct Manifest<'a> {
+    schema: &'static str,
+    scene: &'a Name,
+    model: String,
+    gaussians: usize,
+    frames_per_second: f64,
+    /// Canonical frame and its file.
+    files: Vec<(u32, PathBuf)>,
+}
+
+pub(super) fn run(args: &ExportArgs, name: &Name, format: SplatFormat, out: &Printer) -> Result<ExitStatus> {
+    let space = args.work.space(args.profile);
+    let rig = Rig::read(&space.scene(name).rig(args.profile))?;
+    let timeline = rig.timeline();
+    let splats = args.splats.clone().unwrap_or_else(|| space.work(name).splats());
+    let source = Source::open(&splats, Default::default())?;
+    let source = source.on(&splats, timeline, &rig.clip(args.profile))?;
+    source.notes.iter().for_each(|note| out.note(format!("{}: {note}", splats.display())));
+    let frames = frames(args, &rig)?;
+
+    let file = |frame: u32| match format {
+        SplatFormat::Ply => PathBuf::from(format!("splats_{frame:05}.ply")),
+        SplatFormat::Usd => PathBuf::from("splats.usda"),
+    };
+    let files: Vec<(u32, PathBuf)> = frames.iter().map(|&frame| (frame, file(frame))).collect();
+    let mut names: Vec<String> = files.iter().map(|(_, path)| path.display().to_string()).collect();
+    names.dedup();
+    names.push(MANIFEST.to_owned());
+    let _claim = Claim::take(&args.out, names, None, false)?;
+
+    out.start("exporting", frames.len() as u64);
+    let mut states: Vec<(u32, Splats)> = Vec::new();
+    for (frame, path) in &files {
+        let gaussians = source.model.gaussians_at(timeline.time(*frame));
+        let gaussians = gaussians.map_err(|error| StageError::of(&error, TRAIN_AGAIN))?;
+        match format {
+            SplatFormat::Ply => ply::write(&args.out.join(path), &gaussians)?,
+            SplatFormat::Usd => {
+                let state = gaussians.activate().map_err(|error| StageError::of(&error, TRAIN_AGAIN))?;
+                states.push((*frame, state));
+            }
+        }
+        out.advance(1);
+    }
+    if format == SplatFormat::Usd {
+        usd::write(&args.out.join(file(0)), &states, timeline)?;
+    }
+    out.finish();
+    let manifest = Manifest {
+        schema: "l4d/export-splats/1",
+        scene: name,
+        model: splats.display().to_string(),
+        gaussians: source.model.gaussians.len(),
+        frames_per_second: timeline.frames_per_second(),
+        files,
+    };
+    let path = args.out.join(MANIFEST);
+    json::write(&path, &manifest)?;
+    match args.json {
+        true => out.json(&manifest)?,
+        false => out.data(path.display())?,
+    }
+    Ok(ExitStatus::Success)
+}
+
+/// The frames that are asked for, ascending; else those of the profile or of the capture.
+fn frames(args: &ExportArgs, rig: &Rig) -> Result<Vec<u32>> {
+    let whole = rig.timeline().whole();
+    if let Some(frame) = args.frames.iter().find(|frame| !whole.contains(**frame)) {
+        let hint = format!("frames are {} to {}", whole.first(), whole.last());
+        return Err(refusal(format!("frame {frame} is beyond the clip"), hint));
+    }
+    let mut frames = if args.frames.is_empty() { rig.clip(args.profile) } else { args.frames.clone() };
+    frames.sort_unstable();
+    frames.dedup();
+    Ok(frames)
+}
