@@ -8,6 +8,7 @@ import bpy
 
 from l4d_blender.assets import cushion, mesh
 from l4d_blender.assets.materials import interior
+from l4d_blender.assets.parts import CORNERS, Parts
 from l4d_blender.catalogue import colours, kind
 
 
@@ -26,21 +27,17 @@ def armchair(
         f"{name}_seat", rng, size_m=(width - 0.24, depth - 0.20, 0.14), bevel_m=0.05, puff_m=0.02
     )
     back = cushion.block(f"{name}_back", rng, size_m=(width - 0.14, 0.16, 0.66), bevel_m=0.07, puff_m=0.03)
-    parts = [
-        mesh.move(frame, z=foot),
-        mesh.move(seat, y=-0.05, z=foot + 0.12),
-        mesh.move(mesh.rotate(back, "X", -12), y=depth / 2 - 0.17, z=foot + 0.06),
-    ]
+    parts = Parts(name)
+    parts.add(frame, z=foot)
+    parts.add(seat, y=-0.05, z=foot + 0.12)
+    parts.add(back, y=depth / 2 - 0.17, z=foot + 0.06, turn=("X", -12))
     for side in (-1, 1):
         arm = cushion.block(f"{name}_arm", rng, size_m=(0.11, depth - 0.10, 0.34), bevel_m=0.05, puff_m=0.015)
-        parts.append(mesh.move(arm, x=side * (width - 0.14) / 2, y=-0.02, z=foot + 0.05))
+        parts.add(arm, x=side * (width - 0.14) / 2, y=-0.02, z=foot + 0.05)
     for part in parts:
         mesh.set_material(part, cloth)
-    for x in (-1, 1):
-        for y in (-1, 1):
-            leg = mesh.cylinder(f"{name}_foot", 0.014, foot + 0.01, 16, top_radius=0.024)
-            leg = mesh.rotate(mesh.rotate(leg, "Y", -6 * x), "X", 6 * y)
-            parts.append(
-                mesh.set_material(mesh.move(leg, x=x * (width / 2 - 0.07), y=y * (depth / 2 - 0.12)), legs)
-            )
-    return mesh.drop_to_base(mesh.join(name, parts))
+    for x, y in CORNERS:
+        leg = mesh.cylinder(f"{name}_foot", 0.014, foot + 0.01, 16, top_radius=0.024)
+        leg = mesh.rotate(mesh.rotate(leg, "Y", -6 * x), "X", 6 * y)
+        parts.add(leg, legs, x=x * (width / 2 - 0.07), y=y * (depth / 2 - 0.12))
+    return mesh.drop_to_base(parts.join())

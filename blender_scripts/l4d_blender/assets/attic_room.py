@@ -15,6 +15,7 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
 from l4d_blender.assets.materials.base import Nodes, emission, principled
+from l4d_blender.assets.parts import Parts, placed
 from l4d_blender.catalogue import kind
 from l4d_blender.colour import Colour
 
@@ -86,14 +87,10 @@ def _gable(name: str, rng: random.Random, y: float, dusk: float) -> bpy.types.Ob
     """A limewashed wall with a small window onto the evening sky."""
     lime = products.plaster(f"{name}_lime", (0.36, 0.33, 0.28), rng)
     frame = products.lacquer(f"{name}_frame", (0.30, 0.29, 0.25), rng)
-    wall = mesh.bevel_box(f"{name}_gable", (4.4, 0.08, 2.6), 0.004)
-    parts = [mesh.set_material(mesh.move(wall, y=y + 0.05), lime)]
+    parts = Parts(f"{name}_gable")
+    parts.box("gable", lime, (4.4, 0.08, 2.6), 0.004, y=y + 0.05)
     sky = mesh.box(f"{name}_sky", (0.62, 0.01, 0.62))
-    parts.append(
-        mesh.set_material(
-            mesh.move(sky, x=0.25, y=y, z=0.98), emission(f"{name}_dusk", (0.34, 0.42, 0.62), dusk)
-        )
-    )
+    parts.add(sky, emission(f"{name}_dusk", (0.34, 0.42, 0.62), dusk), x=0.25, y=y, z=0.98)
     for x, z, w, h in (
         (0.25, 0.95, 0.72, 0.05),
         (0.25, 1.58, 0.72, 0.05),
@@ -102,9 +99,8 @@ def _gable(name: str, rng: random.Random, y: float, dusk: float) -> bpy.types.Ob
         (0.25, 1.27, 0.64, 0.025),
         (0.25, 0.98, 0.025, 0.62),
     ):
-        bar = mesh.bevel_box(f"{name}_bar", (w, 0.05, h), 0.005)
-        parts.append(mesh.set_material(mesh.move(bar, x=x, y=y - 0.01, z=z), frame))
-    return mesh.join(f"{name}_gable", parts)
+        parts.box("bar", frame, (w, 0.05, h), 0.005, x=x, y=y - 0.01, z=z)
+    return parts.join()
 
 
 def _chimney(name: str, rng: random.Random, at: tuple[float, float]) -> bpy.types.Object:
@@ -126,7 +122,7 @@ def _chimney(name: str, rng: random.Random, at: tuple[float, float]) -> bpy.type
     n.set("Base Color", n.mix(n.map_range(soot, 0.45, 0.75, 0.0, 0.7), tone, (0.06, 0.05, 0.045)))
     n.bump(n.math("SUBTRACT", n.noise(60.0, 3.0), n.math("MULTIPLY", joint, 1.5)), 0.6, 0.006)
     flue = mesh.bevel_box(f"{name}_chimney", (0.56, 0.46, 2.4), 0.008)
-    return mesh.set_material(mesh.move(flue, x=at[0], y=at[1]), material)
+    return placed(flue, material, x=at[0], y=at[1])
 
 
 def _lumber(name: str, rng: random.Random, x: float) -> bpy.types.Object:
@@ -135,11 +131,10 @@ def _lumber(name: str, rng: random.Random, x: float) -> bpy.types.Object:
     iron = products.metal(f"{name}_iron", (0.12, 0.12, 0.12), rng, roughness=0.5)
     card = products.paper(f"{name}_card", (0.36, 0.24, 0.13), rng)
     cloth = products.woven_cloth(f"{name}_cloth", (0.26, 0.07, 0.06), rng)
-    trunk = mesh.bevel_box(f"{name}_trunk", (0.45, 0.85, 0.46), 0.02)
-    parts = [mesh.set_material(mesh.move(trunk, x=x + 0.30, y=-0.15), oak)]
+    parts = Parts(f"{name}_lumber")
+    parts.box("trunk", oak, (0.45, 0.85, 0.46), 0.02, x=x + 0.30, y=-0.15)
     for y in (-0.45, -0.15, 0.15):
-        band = mesh.bevel_box(f"{name}_band", (0.456, 0.035, 0.466), 0.02)
-        parts.append(mesh.set_material(mesh.move(band, x=x + 0.30, y=y), iron))
+        parts.box("band", iron, (0.456, 0.035, 0.466), 0.02, x=x + 0.30, y=y)
     for size, at, turn in (
         ((0.40, 0.45, 0.34), (x + 0.30, -0.98, 0.0), 7),
         ((0.32, 0.34, 0.26), (x + 0.30, -0.94, 0.34), -12),
@@ -147,8 +142,8 @@ def _lumber(name: str, rng: random.Random, x: float) -> bpy.types.Object:
     ):
         box = mesh.bevel_box(f"{name}_box", size, 0.004)
         mesh.move(mesh.rotate(box, "Z", turn), *at)
-        parts.append(mesh.set_material(box, card))
+        parts.add(box, card)
     roll = mesh.cylinder(f"{name}_roll", 0.075, 1.1, 24, bevel_m=0.01)
     mesh.move(mesh.rotate(roll, "X", 82.0), x=x + 0.62, y=-0.85, z=0.076)
-    parts.append(mesh.set_material(roll, cloth))
-    return mesh.join(f"{name}_lumber", parts)
+    parts.add(roll, cloth)
+    return parts.join()

@@ -14,6 +14,7 @@ from mathutils import Vector, noise
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind, words
 from l4d_blender.colour import Colour
 
@@ -56,9 +57,11 @@ def duffel(name: str, rng: random.Random, *, colour: str = "brown") -> bpy.types
         sections.append(loop)
     body = mesh.subdivide(mesh.loft(f"{name}_body", sections), 1)
     mesh.paint(body, [hide, trim], lambda centre, _: int(abs(centre.x) > 0.44 * DUFFEL_LENGTH_M))
-    parts = [body]
-    zip_ = mesh.tube(
-        f"{name}_zip",
+    parts = Parts(name)
+    parts.add(body)
+    parts.tube(
+        "zip",
+        brass,
         [
             (0.5 * DUFFEL_LENGTH_M * u, 0.0, DUFFEL_HEIGHT_M - 0.009 + 0.012 * u * u)
             for u in (-0.8, -0.4, 0.0, 0.4, 0.8)
@@ -66,28 +69,23 @@ def duffel(name: str, rng: random.Random, *, colour: str = "brown") -> bpy.types
         [(0.014, 0.005)] * 5,
         segments=10,
     )
-    parts.append(mesh.set_material(zip_, brass))
     for side in (-1.0, 1.0):
         for x in (-0.105, 0.105):
             band = [
                 (x, side * 0.137 * cos(a) * 0.93, 0.125 + 0.131 * sin(a) * 0.97)
                 for a in (-1.2, -0.8, -0.4, 0.0, 0.4, 0.8, 1.15)
             ]
-            strap = mesh.tube(f"{name}_strap", band, [(0.016, 0.0035)] * 7, segments=8, up=(0, side, 0))
-            parts.append(mesh.set_material(strap, trim))
+            parts.tube("strap", trim, band, [(0.016, 0.0035)] * 7, segments=8, up=(0, side, 0))
         handle = []
         for k in range(13):
             a = pi * k / 12
             rise = sin(a) ** 0.75
             handle.append((-0.105 * cos(a), side * (0.062 * (1 - rise) + 0.011), 0.235 + 0.117 * rise))
-        grip = mesh.tube(f"{name}_handle", handle, 0.0085, segments=10)
-        parts.append(mesh.set_material(grip, trim))
-    tag = mesh.bevel_box(f"{name}_tag", (0.045, 0.004, 0.075), 0.0015)
-    parts.append(mesh.set_material(mesh.move(tag, x=0.15, y=-0.128, z=0.12), trim))
+        parts.tube("handle", trim, handle, 0.0085, segments=10)
+    parts.box("tag", trim, (0.045, 0.004, 0.075), 0.0015, x=0.15, y=-0.128, z=0.12)
     for x in (-0.20, 0.20):
-        ring_ = mesh.rotate(mesh.torus(f"{name}_ring", 0.015, 0.0028, 18, 8), "Y", 90.0)
-        parts.append(mesh.set_material(mesh.move(ring_, x=x, z=DUFFEL_HEIGHT_M + 0.004), brass))
-    return mesh.drop_to_base(mesh.join(name, parts))
+        parts.torus("ring", brass, 0.015, 0.0028, 18, 8, x=x, z=DUFFEL_HEIGHT_M + 0.004, turn=("Y", 90.0))
+    return mesh.drop_to_base(parts.join())
 
 
 @kind("bag", (0.293, 0.28, 0.448), "graspable", "container", colour=words("colour", *COLOURS))
@@ -100,11 +98,10 @@ def backpack(
         f"{name}_dark", products.scaled(COLOURS[colour], 0.4), rng, threads_per_m=700.0
     )
     bright = products.leather(f"{name}_accent", accent, rng)
-    body = _padded(f"{name}_body", (0.29, 0.165, 0.405), 0.075, 0.010, rng)
-    pocket = mesh.move(_padded(f"{name}_pocket", (0.225, 0.075, 0.19), 0.032, 0.006, rng), y=-0.095, z=0.035)
-    parts = [mesh.set_material(body, cloth), mesh.set_material(pocket, cloth)]
-    base = mesh.move(_padded(f"{name}_base", (0.294, 0.170, 0.065), 0.028, 0.002, rng), z=0.0)
-    parts.append(mesh.set_material(base, bright))
+    parts = Parts(name)
+    parts.add(_padded(f"{name}_body", (0.29, 0.165, 0.405), 0.075, 0.010, rng), cloth)
+    parts.add(_padded(f"{name}_pocket", (0.225, 0.075, 0.19), 0.032, 0.006, rng), cloth, y=-0.095, z=0.035)
+    parts.add(_padded(f"{name}_base", (0.294, 0.170, 0.065), 0.028, 0.002, rng), bright, z=0.0)
     arch = (
         [(-0.125, -0.066, 0.20)]
         + [
@@ -113,11 +110,10 @@ def backpack(
         ]
         + [(0.125, -0.066, 0.20)]
     )
-    parts.append(mesh.set_material(mesh.tube(f"{name}_zip", arch, 0.0045, segments=8), dark))
+    parts.tube("zip", dark, arch, 0.0045, segments=8)
     pull = [(-0.095, -0.135, 0.195), (0.0, -0.141, 0.203), (0.095, -0.135, 0.195)]
-    parts.append(mesh.set_material(mesh.tube(f"{name}_pocket_zip", pull, 0.004, segments=8), dark))
-    patch = mesh.bevel_box(f"{name}_patch", (0.075, 0.004, 0.040), 0.0015)
-    parts.append(mesh.set_material(mesh.move(patch, y=-0.134, z=0.10), bright))
+    parts.tube("pocket_zip", dark, pull, 0.004, segments=8)
+    parts.box("patch", bright, (0.075, 0.004, 0.040), 0.0015, y=-0.134, z=0.10)
     for x in (-0.075, 0.075):
         strap = [
             (x * 0.7, 0.075, 0.385),
@@ -126,14 +122,10 @@ def backpack(
             (x * 1.25, 0.110, 0.16),
             (x * 1.5, 0.085, 0.055),
         ]
-        parts.append(
-            mesh.set_material(
-                mesh.tube(f"{name}_strap", strap, [(0.024, 0.007)] * 5, segments=10, up=(0, 1, 0)), dark
-            )
-        )
+        parts.tube("strap", dark, strap, [(0.024, 0.007)] * 5, segments=10, up=(0, 1, 0))
     loop = [(-0.045 * cos(a), 0.055, 0.388 + 0.052 * sin(a) ** 0.8) for a in (pi * k / 8 for k in range(9))]
-    parts.append(mesh.set_material(mesh.tube(f"{name}_loop", loop, 0.008, segments=10), bright))
-    return mesh.drop_to_base(mesh.join(name, parts))
+    parts.tube("loop", bright, loop, 0.008, segments=10)
+    return mesh.drop_to_base(parts.join())
 
 
 def _padded(

@@ -17,6 +17,7 @@ from l4d_blender.catalogue import kind
 from ..colour import rgb
 from . import haystack, mesh
 from .materials import outdoors
+from .parts import placed
 
 WIDTH_M, DEPTH_M = 6.0, 5.0
 EAVES_M, RIDGE_M = 2.7, 4.5
@@ -231,19 +232,17 @@ def barn(
     for x in (-DOOR_WIDTH_M / 2 - 0.06, DOOR_WIDTH_M / 2 + 0.06, -WIDTH_M / 2 + 0.06, WIDTH_M / 2 - 0.06):
         high = DOOR_HEIGHT_M + 0.1 if abs(x) < 2 else EAVES_M - 0.02
         post = mesh.bevel_box(f"{name}_post", (0.13, 0.07, high), 0.01, 1)
-        mesh.set_material(mesh.move(post, x=x, y=front), trim)
+        placed(post, trim, x=x, y=front)
         frames.append(post)
     for width, z, high in (
         (DOOR_WIDTH_M + 0.4, DOOR_HEIGHT_M + 0.02, 0.15),
         (WIDTH_M - 0.1, EAVES_M - 0.05, 0.14),
     ):
         lintel = mesh.bevel_box(f"{name}_lintel", (width, 0.08, high), 0.012, 1)
-        mesh.set_material(mesh.move(lintel, y=front - 0.005, z=z), timber)
+        placed(lintel, timber, y=front - 0.005, z=z)
         frames.append(lintel)
     hatch = mesh.bevel_box(f"{name}_hatch", (0.85, 0.05, 0.85), 0.01, 1)
-    mesh.set_material(
-        mesh.move(hatch, y=front, z=3.0), outdoors.weathered_wood(f"{name}_hatch", (0.055, 0.042, 0.032))
-    )
+    placed(hatch, outdoors.weathered_wood(f"{name}_hatch", (0.055, 0.042, 0.032)), y=front, z=3.0)
     hay = haystack.haystack(f"{name}_hay", rng, radius_m=1.1, height_m=1.3, stalks=500)
     mesh.transform(hay, Matrix.Translation((0.5, -0.8, 0.0)))
     return mesh.join(

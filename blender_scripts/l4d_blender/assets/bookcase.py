@@ -9,6 +9,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.assets.parts import Parts, placed
 from l4d_blender.catalogue import Range, kind
 
 BINDINGS = (
@@ -51,31 +52,19 @@ def bookcase(
     paper = principled(f"{name}_paper", (0.74, 0.68, 0.56), roughness=0.9)
     glaze = interior.ceramic(f"{name}_vase", (0.60, 0.56, 0.48), rng)
     board = 0.024
-    parts = []
+    parts = Parts(name)
     for side in (-1, 1):
-        parts.append(
-            mesh.set_material(
-                mesh.move(
-                    mesh.bevel_box(f"{name}_side", (board, depth_m, height_m), 0.003),
-                    x=side * (width_m - board) / 2,
-                ),
-                case,
-            )
-        )
-    back = mesh.move(
-        mesh.box(f"{name}_back", (width_m - 0.01, 0.010, height_m - 0.01)), y=depth_m / 2 - 0.006
-    )
-    parts.append(mesh.set_material(back, plank))
+        parts.box("side", case, (board, depth_m, height_m), 0.003, x=side * (width_m - board) / 2)
+    parts.box("back", plank, (width_m - 0.01, 0.010, height_m - 0.01), y=depth_m / 2 - 0.006)
     gap = (height_m - board - 0.07) / shelves
     for level in range(shelves + 1):
         z = 0.07 + level * gap
-        shelf = mesh.bevel_box(f"{name}_shelf{level}", (width_m - 2 * board, depth_m - 0.006, board), 0.002)
-        parts.append(mesh.set_material(mesh.move(shelf, z=z), plank))
+        parts.box(f"shelf{level}", plank, (width_m - 2 * board, depth_m - 0.006, board), 0.002, z=z)
         if level < shelves:
             parts += _row(
                 name, rng, bindings, paper, glaze, width_m - 2 * board, depth_m, z + board, gap - board
             )
-    return mesh.join(name, parts)
+    return parts.join()
 
 
 def _row(
@@ -90,14 +79,14 @@ def _row(
     room: float,
 ) -> list[bpy.types.Object]:
     """One shelf's books from left to right; a gap now and then holds a vase."""
-    parts = []
+    parts = Parts(name)
     x, end = -width / 2 + 0.006, width / 2 - 0.006
     vase_at = rng.uniform(0.25, 0.75) * width - width / 2 if rng.random() < 0.6 else None
     while True:
         thick = rng.uniform(0.016, 0.044)
         tall = room * rng.uniform(0.62, 0.90)
         if vase_at is not None and x + thick > vase_at:
-            parts.append(_vase(name, rng, glaze, x + 0.065, z, min(room * 0.75, 0.2)))
+            parts.add(_vase(name, rng, glaze, x + 0.065, z, min(room * 0.75, 0.2)))
             x, vase_at = x + 0.13, None
             continue
         if x + thick > end:
@@ -111,9 +100,7 @@ def _row(
         if rng.random() < 0.10 and x + thick + 0.05 < end:
             book = mesh.drop_to_base(mesh.rotate(book, "Y", 11))
             x += 0.04
-        parts.append(
-            mesh.move(book, x=x + thick / 2, y=-depth / 2 + deep / 2 + rng.uniform(0.012, 0.03), z=z)
-        )
+        parts.add(book, x=x + thick / 2, y=-depth / 2 + deep / 2 + rng.uniform(0.012, 0.03), z=z)
         x += thick + 0.0015
 
 
@@ -132,4 +119,4 @@ def _vase(
         (0.0, 0.78 * tall),
     ]
     vase = mesh.subdivide(mesh.lathe(f"{name}_vase", profile, 20, close_bottom=False), 1)
-    return mesh.move(mesh.set_material(vase, glaze), x=x, y=-0.03, z=z)
+    return placed(vase, glaze, x=x, y=-0.03, z=z)

@@ -13,6 +13,7 @@ from mathutils import Matrix, Vector, noise
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 
 BOARD_M = 0.016
@@ -23,34 +24,33 @@ def bread_board(
     name: str, rng: random.Random, *, size_m: tuple[float, float] = (0.36, 0.21)
 ) -> bpy.types.Object:
     """A board of (length, depth) with half a loaf."""
-    slab = mesh.bevel_box(f"{name}_slab", (*size_m, BOARD_M), 0.004, 3)
     wood = products.wood(
         f"{name}_wood", (0.33, 0.17, 0.075), (0.16, 0.075, 0.03), rng, grain_axis="X", stave_m=0.06
     )
-    parts = [mesh.set_material(slab, wood)]
+    parts = Parts(name)
+    parts.box("slab", wood, (*size_m, BOARD_M), 0.004, 3)
     skins = [tableware.crust(f"{name}_crust", rng), tableware.crumb(f"{name}_crumb", rng)]
     left = -0.5 * size_m[0]
     loaf = _loaf(f"{name}_loaf", rng, skins, 0.105)
-    parts.append(
-        mesh.transform(
-            loaf, Matrix.Translation((left + 0.075, 0.035, BOARD_M)) @ Matrix.Rotation(0.2, 4, "Z")
-        )
-    )
+    parts.add(loaf, within=Matrix.Translation((left + 0.075, 0.035, BOARD_M)) @ Matrix.Rotation(0.2, 4, "Z"))
     for k, (x, y, turn, tilt) in enumerate(
         ((left + 0.135, 0.030, 0.25, 1.15), (left + 0.190, 0.040, -0.30, 1.50))
     ):
         slice_ = _loaf(f"{name}_slice{k}", rng, skins, 0.013)
         pose = Matrix.Rotation(turn, 4, "Z") @ Matrix.Rotation(tilt, 4, "Y")
         mesh.drop_to_base(mesh.transform(slice_, pose))
-        parts.append(mesh.move(slice_, x=x, y=y, z=BOARD_M))
+        parts.add(slice_, x=x, y=y, z=BOARD_M)
     for _ in range(34):
         size = rng.uniform(0.0010, 0.0024)
         crumb = mesh.ellipsoid(f"{name}_bit", (size, 0.8 * size, 0.7 * size), 6, 4)
-        mesh.move(
-            crumb, x=left + rng.uniform(0.02, 0.20), y=rng.uniform(-0.085, 0.085), z=BOARD_M + 0.6 * size
+        parts.add(
+            crumb,
+            x=left + rng.uniform(0.02, 0.20),
+            y=rng.uniform(-0.085, 0.085),
+            z=BOARD_M + 0.6 * size,
+            material=skins[rng.random() < 0.6],
         )
-        parts.append(mesh.set_material(crumb, skins[rng.random() < 0.6]))
-    return mesh.join(name, parts)
+    return parts.join()
 
 
 def _loaf(name: str, rng: random.Random, skins: list[bpy.types.Material], length: float) -> bpy.types.Object:

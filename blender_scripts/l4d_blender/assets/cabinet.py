@@ -8,6 +8,7 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
+from l4d_blender.assets.parts import CORNERS, Parts
 from l4d_blender.catalogue import Range, colours, kind, words
 from l4d_blender.colour import Colour
 
@@ -38,17 +39,12 @@ def cabinet(
     wood = interior.wood(f"{name}_wood", timber, rng, grain_axis="X")
     front = products.lacquer(f"{name}_paint", paint, rng) if paint else wood
     metal = products.metal(f"{name}_knobs", (0.40, 0.33, 0.20), rng)
-    body = mesh.bevel_box(f"{name}_body", (width_m, depth_m, height_m - legs_m - 0.025), 0.004, 1)
-    top = mesh.bevel_box(f"{name}_top", (width_m + 0.03, depth_m + 0.02, 0.025), 0.006, 1)
-    parts = [
-        mesh.set_material(mesh.move(body, z=legs_m), front),
-        mesh.set_material(mesh.move(top, z=height_m - 0.025), wood),
-    ]
-    for x in (-1.0, 1.0):
-        for y in (-1, 1):
-            leg = mesh.cylinder(f"{name}_leg", 0.016, legs_m + 0.01, 10, top_radius=0.024)
-            mesh.move(leg, x=x * (width_m / 2 - 0.07), y=y * (depth_m / 2 - 0.06))
-            parts.append(mesh.set_material(leg, wood))
+    parts = Parts(name)
+    parts.box("body", front, (width_m, depth_m, height_m - legs_m - 0.025), 0.004, 1, z=legs_m)
+    parts.box("top", wood, (width_m + 0.03, depth_m + 0.02, 0.025), 0.006, 1, z=height_m - 0.025)
+    for x, y in CORNERS:
+        leg = mesh.cylinder(f"{name}_leg", 0.016, legs_m + 0.01, 10, top_radius=0.024)
+        parts.add(leg, wood, x=x * (width_m / 2 - 0.07), y=y * (depth_m / 2 - 0.06))
     columns = max(1, round(width_m / 0.5))
     rows = 1 if fronts == "doors" else max(2, round((height_m - legs_m) / 0.22))
     wide, tall = width_m / columns, (height_m - legs_m - 0.03) / rows
@@ -56,17 +52,17 @@ def cabinet(
         for j in range(rows):
             x, z = (i + 0.5) * wide - width_m / 2, legs_m + j * tall
             panel = mesh.bevel_box(f"{name}_front", (wide - 0.014, 0.018, tall - 0.014), 0.004, 1)
-            parts.append(mesh.set_material(mesh.move(panel, x, -depth_m / 2 - 0.008, z + 0.007), front))
+            parts.add(panel, front, x=x, y=-depth_m / 2 - 0.008, z=z + 0.007)
             knob_x = x if fronts == "drawers" else x + (0.5 - i % 2) * 2 * (wide / 2 - 0.06)
-            knob = mesh.ellipsoid(
-                f"{name}_knob",
+            parts.ellipsoid(
+                "knob",
+                metal,
                 (0.014, 0.014, 0.014),
                 10,
                 6,
                 (knob_x, -depth_m / 2 - 0.028, z + (0.5 if fronts == "drawers" else 0.6) * tall),
             )
-            parts.append(mesh.set_material(knob, metal))
-    return mesh.join(name, parts)
+    return parts.join()
 
 
 @kind(
@@ -91,21 +87,18 @@ def open_shelf(
 ) -> bpy.types.Object:
     """Boards between two frames, with things of one sort on them; its back is at +Y."""
     wood = interior.wood(f"{name}_wood", timber, rng, grain_axis="X")
-    parts = []
-    for x in (-1, 1):
-        for y in (-1, 1):
-            post = mesh.bevel_box(f"{name}_post", (0.035, 0.035, height_m), 0.003, 1)
-            mesh.move(post, x=x * (width_m / 2 - 0.018), y=y * (depth_m / 2 - 0.018))
-            parts.append(mesh.set_material(post, wood))
+    parts = Parts(name)
+    for x, y in CORNERS:
+        post = mesh.bevel_box(f"{name}_post", (0.035, 0.035, height_m), 0.003, 1)
+        parts.add(post, wood, x=x * (width_m / 2 - 0.018), y=y * (depth_m / 2 - 0.018))
     gap = (height_m - 0.14) / (boards - 1)
     for k in range(boards):
         z = 0.10 + k * gap
-        board = mesh.bevel_box(f"{name}_board", (width_m - 0.01, depth_m - 0.01, 0.022), 0.003, 1)
-        parts.append(mesh.set_material(mesh.move(board, z=z), wood))
+        parts.box("board", wood, (width_m - 0.01, depth_m - 0.01, 0.022), 0.003, 1, z=z)
         if content != "empty":
             top = gap - 0.05 if k < boards - 1 else 0.28
             parts += _kept(f"{name}_{k}", rng, content, width_m - 0.10, depth_m - 0.08, z + 0.022, top)
-    return mesh.join(name, parts)
+    return parts.join()
 
 
 _TONES: dict[str, tuple[Colour, ...]] = {
@@ -178,18 +171,12 @@ def chest(
     wood = products.wood(f"{name}_wood", (0.32, 0.18, 0.08), (0.16, 0.08, 0.035), rng, grain_axis="X")
     front = products.lacquer(f"{name}_paint", paint, rng) if paint else wood
     iron = products.metal(f"{name}_iron", (0.12, 0.12, 0.12), rng, roughness=0.5)
-    body = mesh.bevel_box(f"{name}_body", (width - 0.04, depth - 0.03, height - 0.10), 0.006, 1)
-    lid = mesh.bevel_box(f"{name}_lid", (width, depth, 0.07), 0.025, 3)
-    foot = mesh.bevel_box(f"{name}_foot", (width, depth - 0.01, 0.06), 0.006, 1)
-    parts = [
-        mesh.set_material(mesh.move(body, z=0.04), front),
-        mesh.set_material(mesh.move(lid, z=height - 0.07), front),
-        mesh.set_material(foot, wood),
-    ]
+    parts = Parts(name)
+    parts.box("body", front, (width - 0.04, depth - 0.03, height - 0.10), 0.006, 1, z=0.04)
+    parts.box("lid", front, (width, depth, 0.07), 0.025, 3, z=height - 0.07)
+    parts.box("foot", wood, (width, depth - 0.01, 0.06), 0.006, 1)
     if bands:
         for x in (-0.3 * width, 0.3 * width):
-            band = mesh.bevel_box(f"{name}_band", (0.045, depth + 0.01, height - 0.05), 0.01, 2)
-            parts.append(mesh.set_material(mesh.move(band, x=x, z=0.055), iron))
-        lock = mesh.bevel_box(f"{name}_lock", (0.08, 0.02, 0.10), 0.004, 1)
-        parts.append(mesh.set_material(mesh.move(lock, y=-depth / 2, z=height - 0.16), iron))
-    return mesh.join(name, parts)
+            parts.box("band", iron, (0.045, depth + 0.01, height - 0.05), 0.01, 2, x=x, z=0.055)
+        parts.box("lock", iron, (0.08, 0.02, 0.10), 0.004, 1, y=-depth / 2, z=height - 0.16)
+    return parts.join()

@@ -21,6 +21,7 @@ from . import mesh
 from .lettering import lettering
 from .materials import street
 from .materials.base import emission, principled
+from .parts import Parts, placed
 
 WHEEL_RADIUS_M = 0.295
 WHEELBASE_M = 2.36
@@ -232,19 +233,13 @@ def _lamps(name: str) -> list[bpy.types.Object]:
     shine.cycles.emission_sampling = "NONE"
     red = principled(f"{name}_tail", (0.36, 0.008, 0.008), roughness=0.15, specular=0.7)
     amber = principled(f"{name}_blinker", (0.70, 0.22, 0.01), roughness=0.2)
-    parts = []
+    parts = Parts(name)
     nose, tail = _STATIONS[0].y, _STATIONS[-1].y
     for s in (-1.0, 1.0):
-        lamp = mesh.ellipsoid(f"{name}_lamp", (0.135, 0.10, 0.105), 24, 14, (s * 0.545, nose + 0.135, 0.60))
-        parts.append(mesh.set_material(lamp, clear))
-        beam = mesh.ellipsoid(f"{name}_beam", (0.062, 0.05, 0.062), 16, 10, (s * 0.530, nose + 0.072, 0.605))
-        parts.append(mesh.set_material(beam, shine))
-        blinker = mesh.ellipsoid(
-            f"{name}_blinker", (0.05, 0.06, 0.032), 14, 8, (s * 0.66, nose + 0.185, 0.50)
-        )
-        parts.append(mesh.set_material(blinker, amber))
-        rear = mesh.ellipsoid(f"{name}_tail", (0.105, 0.11, 0.175), 20, 12, (s * 0.640, tail - 0.125, 0.73))
-        parts.append(mesh.set_material(rear, red))
+        parts.ellipsoid("lamp", clear, (0.135, 0.10, 0.105), 24, 14, (s * 0.545, nose + 0.135, 0.60))
+        parts.ellipsoid("beam", shine, (0.062, 0.05, 0.062), 16, 10, (s * 0.530, nose + 0.072, 0.605))
+        parts.ellipsoid("blinker", amber, (0.05, 0.06, 0.032), 14, 8, (s * 0.66, nose + 0.185, 0.50))
+        parts.ellipsoid("tail", red, (0.105, 0.11, 0.175), 20, 12, (s * 0.640, tail - 0.125, 0.73))
     return parts
 
 
@@ -254,24 +249,18 @@ def _bumpers(name: str, trim: bpy.types.Material, look: CarLook) -> list[bpy.typ
     ink = principled(f"{name}_ink", (0.02, 0.02, 0.025), roughness=0.6)
     chrome = street.steel(f"{name}_chrome")
     nose, tail = _STATIONS[0].y, _STATIONS[-1].y
-    parts = []
+    parts = Parts(name)
     for y, turn in ((nose, 0.0), (tail, 180.0)):
         s = 1.0 if turn else -1.0
         line = [(x, y - s * (0.02 + 0.30 * abs(x / 0.76) ** 3.2), 0.34) for x in _spread(-0.76, 0.76, 17)]
-        strip = mesh.tube(f"{name}_bumper", line, [(0.055, 0.085)] * 17, segments=12, up=(0.0, 0.0, 1.0))
-        parts.append(mesh.set_material(strip, trim))
-        plate = mesh.move(
-            mesh.bevel_box(f"{name}_plate", (0.44, 0.016, 0.105), 0.006), 0.0, y + s * 0.062, 0.29
-        )
-        parts.append(mesh.set_material(plate, white))
+        parts.tube("bumper", trim, line, [(0.055, 0.085)] * 17, segments=12, up=(0.0, 0.0, 1.0))
+        parts.box("plate", white, (0.44, 0.016, 0.105), 0.006, y=y + s * 0.062, z=0.29)
         text = mesh.rotate(lettering(f"{name}_number", look.plate, 0.070, bold_m=0.002), "X", 90.0)
         mesh.move(mesh.rotate(text, "Z", turn), 0.0, y + s * 0.0712, 0.343)
-        parts.append(mesh.set_material(text, ink))
+        parts.add(text, ink)
     for k in range(3):
         bar = mesh.bevel_box(f"{name}_grille", (0.62 - 0.06 * k, 0.05, 0.022), 0.008, 2)
-        parts.append(
-            mesh.set_material(mesh.move(bar, 0.0, nose - 0.005, 0.555 - 0.045 * k), trim if k else chrome)
-        )
+        parts.add(bar, trim if k else chrome, y=nose - 0.005, z=0.555 - 0.045 * k)
     return parts
 
 
@@ -282,52 +271,45 @@ def _spread(first: float, last: float, count: int) -> list[float]:
 def _sides(name: str, paint: bpy.types.Material, trim: bpy.types.Material) -> list[bpy.types.Object]:
     """Mirrors, door handles, door gaps, sills, wipers and an aerial."""
     chrome = street.steel(f"{name}_handle")
-    parts = []
+    parts = Parts(name)
     for s in (-1.0, 1.0):
-        shell = mesh.ellipsoid(f"{name}_mirror", (0.095, 0.06, 0.065), 18, 12, (s * 0.905, -0.52, 0.975))
-        parts.append(mesh.set_material(shell, paint))
-        stalk = mesh.tube(
-            f"{name}_stalk", [(s * 0.74, -0.50, 0.92), (s * 0.86, -0.51, 0.955)], 0.02, segments=8
-        )
-        parts.append(mesh.set_material(stalk, trim))
-        grip = mesh.bevel_box(f"{name}_grip", (0.035, 0.17, 0.028), 0.010, 2)
-        parts.append(mesh.set_material(mesh.move(grip, s * 0.806, 0.42, 0.765), chrome))
+        parts.ellipsoid("mirror", paint, (0.095, 0.06, 0.065), 18, 12, (s * 0.905, -0.52, 0.975))
+        parts.tube("stalk", trim, [(s * 0.74, -0.50, 0.92), (s * 0.86, -0.51, 0.955)], 0.02, segments=8)
+        parts.box("grip", chrome, (0.035, 0.17, 0.028), 0.010, 2, x=s * 0.806, y=0.42, z=0.765)
         for y in (-0.60, 0.58):
-            gap = mesh.tube(
-                f"{name}_gap",
+            parts.tube(
+                "gap",
+                trim,
                 [(s * 0.758, y, 0.26), (s * 0.8, y, 0.42), (s * 0.8, y, 0.70), (s * 0.757, y, 0.88)],
                 0.008,
                 segments=6,
             )
-            parts.append(mesh.set_material(gap, trim))
-        sill = mesh.bevel_box(f"{name}_sill", (0.07, 1.55, 0.11), 0.03, 2)
-        parts.append(mesh.set_material(mesh.move(sill, s * 0.755, 0.0, 0.17), trim))
+        parts.box("sill", trim, (0.07, 1.55, 0.11), 0.03, 2, x=s * 0.755, z=0.17)
     for x in (-0.30, 0.22):
-        wiper = mesh.tube(
-            f"{name}_wiper",
+        parts.tube(
+            "wiper",
+            trim,
             [(x, -0.70, 1.005), (x + 0.22, -0.585, 1.075), (x + 0.42, -0.55, 1.095)],
             0.010,
             segments=6,
         )
-        parts.append(mesh.set_material(wiper, trim))
     return parts
 
 
 def _rack(name: str, trim: bpy.types.Material) -> list[bpy.types.Object]:
     """Two bars with a long roof box on them."""
     top = max(station.crown for station in _STATIONS)
-    parts = []
+    parts = Parts(name)
     for y in (0.10, 0.92):
-        bar = mesh.tube(
-            f"{name}_bar",
+        parts.tube(
+            "bar",
+            trim,
             [(-0.60, y, top - 0.075), (-0.57, y, top + 0.06), (0.57, y, top + 0.06), (0.60, y, top - 0.075)],
             0.018,
             segments=8,
         )
-        parts.append(mesh.set_material(bar, trim))
     box = mesh.subdivide(mesh.bevel_box(f"{name}_box", (0.66, 1.75, 0.32), 0.11, 3), 1)
-    mesh.move(box, 0.0, 0.48, top + 0.075)
-    parts.append(mesh.set_material(box, street.street_metal(f"{name}_box", (0.055, 0.058, 0.062))))
+    parts.add(box, street.street_metal(f"{name}_box", (0.055, 0.058, 0.062)), y=0.48, z=top + 0.075)
     return parts
 
 
@@ -342,24 +324,25 @@ def _wheel(name: str, left: bool) -> bpy.types.Object:
         (0.225, half), (0.19, half - 0.012),
     ]  # fmt: skip
     tyre = mesh.set_material(mesh.lathe(f"{name}_tyre", profile, 40, close_bottom=False), rubber)
-    drum = mesh.set_material(mesh.move(mesh.cylinder(f"{name}_drum", 0.192, 0.10, 32), z=-0.06), dark)
+    drum = placed(mesh.cylinder(f"{name}_drum", 0.192, 0.10, 32), dark, z=-0.06)
     lip = mesh.lathe(
         f"{name}_lip",
         [(0.178, 0.035), (0.182, half - 0.016), (0.196, half - 0.006), (0.200, half - 0.02)],
         40,
         close_bottom=False,
     )
-    parts = [tyre, drum, mesh.set_material(lip, alloy)]
+    parts = Parts(name)
+    parts += [tyre, drum]
+    parts.add(lip, alloy)
     for k in range(5):
         a = 2 * pi * k / 5
-        spoke = mesh.tube(
-            f"{name}_spoke",
+        parts.tube(
+            "spoke",
+            alloy,
             [(0.03 * cos(a), 0.03 * sin(a), 0.062), (0.186 * cos(a), 0.186 * sin(a), 0.066)],
             [(0.030, 0.014), (0.022, 0.012)],
             segments=8,
         )
-        parts.append(mesh.set_material(spoke, alloy))
-    cap = mesh.move(mesh.cylinder(f"{name}_cap", 0.048, 0.03, 20, 0.008), z=0.052)
-    parts.append(mesh.set_material(cap, alloy))
-    wheel = mesh.join(name, parts)
+    parts.cylinder("cap", alloy, 0.048, 0.03, 20, 0.008, z=0.052)
+    wheel = parts.join()
     return mesh.rotate(wheel, "Y", 90.0 if left else -90.0)

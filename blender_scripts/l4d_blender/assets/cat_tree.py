@@ -6,8 +6,9 @@ import random
 
 import bpy
 
-from l4d_blender.assets import cushion, mesh
+from l4d_blender.assets import cushion
 from l4d_blender.assets.materials import interior
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 
 
@@ -18,14 +19,10 @@ def cat_tree(
     """Half a metre wide, the taller post a metre high."""
     plush = interior.felt(f"{name}_plush", colour, rng)
     rope = interior.sisal(f"{name}_rope", rng)
-    parts = [
-        mesh.set_material(
-            cushion.block(f"{name}_base", rng, size_m=(0.50, 0.42, 0.05), bevel_m=0.02, puff_m=0.0), plush
-        )
-    ]
+    parts = Parts(name)
+    parts.add(cushion.block(f"{name}_base", rng, size_m=(0.50, 0.42, 0.05), bevel_m=0.02, puff_m=0.0), plush)
     for x, y, tall in ((-0.13, 0.05, 0.55), (0.13, 0.0, 0.98)):
-        post = mesh.cylinder(f"{name}_post", 0.045, tall - 0.04, 24)
-        parts.append(mesh.set_material(mesh.move(post, x=x, y=y, z=0.04), rope))
+        parts.cylinder("post", rope, 0.045, tall - 0.04, 24, x=x, y=y, z=0.04)
         seat = cushion.block(f"{name}_seat", rng, size_m=(0.36, 0.34, 0.06), bevel_m=0.025, puff_m=-0.012)
-        parts.append(mesh.set_material(mesh.move(seat, x=x, y=y, z=tall), plush))
-    return mesh.join(name, parts)
+        parts.add(seat, plush, x=x, y=y, z=tall)
+    return parts.join()

@@ -14,6 +14,7 @@ from mathutils import Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import placed
 from l4d_blender.catalogue import colours, kind
 from l4d_blender.colour import Colour
 
@@ -51,16 +52,14 @@ def chair_row(
     parts = [mesh.set_material(_seat(f"{name}_seat", seat_x(k, count)), plastic) for k in range(count)]
     length = count * PITCH_M
     beam = mesh.bevel_box(f"{name}_beam", (length, 0.06, 0.045), 0.006)
-    parts.append(mesh.set_material(mesh.move(beam, y=0.04, z=SEAT_M - 0.085), dark))
+    parts.append(placed(beam, dark, y=0.04, z=SEAT_M - 0.085))
     for k in range(count):
         bracket = mesh.bevel_box(f"{name}_bracket", (0.06, 0.26, 0.03), 0.006)
-        parts.append(
-            mesh.set_material(mesh.move(bracket, x=seat_x(k, count), y=0.02, z=SEAT_M - 0.045), dark)
-        )
+        parts.append(placed(bracket, dark, x=seat_x(k, count), y=0.02, z=SEAT_M - 0.045))
     for x in (-0.5 * length + 0.30, 0.5 * length - 0.30):
         post = mesh.bevel_box(f"{name}_post", (0.05, 0.05, SEAT_M - 0.085), 0.006)
         foot = mesh.bevel_box(f"{name}_foot", (0.05, 0.46, 0.03), 0.010)
-        parts += [mesh.set_material(mesh.move(part, x=x, y=0.04), steel) for part in (post, foot)]
+        parts += [placed(part, steel, x=x, y=0.04) for part in (post, foot)]
     for x in (-0.5 * length, 0.5 * length):
         arm = mesh.tube(
             f"{name}_arm",

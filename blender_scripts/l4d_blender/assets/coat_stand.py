@@ -10,6 +10,7 @@ from mathutils import Matrix
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 
 COATS = ((0.10, 0.14, 0.22), (0.34, 0.20, 0.09), (0.30, 0.05, 0.05), (0.10, 0.20, 0.13), (0.45, 0.40, 0.32))
@@ -21,21 +22,21 @@ def coat_stand(name: str, rng: random.Random, *, coats: int = 2) -> bpy.types.Ob
     wood = interior.wood(
         f"{name}_wood", rng.choice(((0.20, 0.10, 0.05), (0.42, 0.27, 0.13))), rng, grain_axis="Z"
     )
-    pole = mesh.lathe(
-        f"{name}_pole", [(0.03, 0.03), (0.022, 0.4), (0.028, 0.9), (0.02, 1.7), (0.03, 1.76), (0.0, 1.8)], 16
+    parts = Parts(name)
+    parts.lathe(
+        "pole", wood, [(0.03, 0.03), (0.022, 0.4), (0.028, 0.9), (0.02, 1.7), (0.03, 1.76), (0.0, 1.8)], 16
     )
-    parts = [mesh.set_material(pole, wood)]
     for k in range(4):
         a = pi / 4 + k * pi / 2
         line = [(0.0, 0.0, 0.16), (0.14 * cos(a), 0.14 * sin(a), 0.12), (0.29 * cos(a), 0.29 * sin(a), 0.012)]
-        parts.append(mesh.set_material(mesh.tube(f"{name}_foot", line, [0.02, 0.018, 0.014], 8), wood))
+        parts.tube("foot", wood, line, [0.02, 0.018, 0.014], 8)
     for k in range(6):
         a = k * pi / 3
         line = [(0.0, 0.0, 1.62), (0.10 * cos(a), 0.10 * sin(a), 1.60), (0.14 * cos(a), 0.14 * sin(a), 1.70)]
-        parts.append(mesh.set_material(mesh.tube(f"{name}_hook", line, 0.009, 8), wood))
+        parts.tube("hook", wood, line, 0.009, 8)
     for k, hook in enumerate(rng.sample(range(6), coats)):
         cloth = interior.cloth(f"{name}_coat_{k}", rng.choice(COATS), rng)
-        parts.append(mesh.set_material(_coat(f"{name}_coat_{k}", rng, hook * pi / 3), cloth))
+        parts.add(_coat(f"{name}_coat_{k}", rng, hook * pi / 3), cloth)
     if rng.random() < 0.6:
         felt = products.rubber(f"{name}_hat", rng.choice(COATS), rng)
         hat = mesh.lathe(
@@ -43,8 +44,8 @@ def coat_stand(name: str, rng: random.Random, *, coats: int = 2) -> bpy.types.Ob
             [(0.14, 0.0), (0.145, 0.008), (0.09, 0.014), (0.085, 0.09), (0.05, 0.11), (0.0, 0.10)],
             24,
         )
-        parts.append(mesh.set_material(mesh.move(hat, z=1.77), felt))
-    return mesh.join(name, parts)
+        parts.add(hat, felt, z=1.77)
+    return parts.join()
 
 
 def _coat(name: str, rng: random.Random, angle: float) -> bpy.types.Object:

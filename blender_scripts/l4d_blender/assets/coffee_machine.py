@@ -11,6 +11,7 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind
 from l4d_blender.colour import Colour
 
@@ -26,7 +27,7 @@ def coffee_machine(
     paint = products.lacquer(f"{name}_enamel", enamel, rng)
     lamp = products.glow(f"{name}_display", (0.25, 0.75, 0.95), 1.4)
     paper = products.paper(f"{name}_cups", (0.72, 0.68, 0.60), rng)
-    parts: list[bpy.types.Object] = []
+    parts = Parts(name)
 
     def block(
         size: tuple[float, float, float],
@@ -34,7 +35,7 @@ def coffee_machine(
         material: bpy.types.Material,
         b: float = 0.006,
     ) -> None:
-        parts.append(mesh.set_material(mesh.move(mesh.bevel_box(f"{name}_part", size, b), *at), material))
+        parts.add(mesh.move(mesh.bevel_box(f"{name}_part", size, b), *at), material)
 
     block((0.92, 0.46, 0.74), (0.0, 0.0, 0.06), wood)
     block((0.86, 0.40, 0.06), (0.0, 0.02, 0.0), dark)
@@ -49,14 +50,11 @@ def coffee_machine(
     block((0.20, 0.008, 0.055), (x, -0.192, z + 0.385), lamp, 0.003)
     block((0.26, 0.16, 0.012), (x, -0.09, z + 0.058), steel, 0.003)
     for k in (-1, 1):
-        spout = mesh.cylinder(f"{name}_spout", 0.012, 0.05, 16)
-        parts.append(mesh.set_material(mesh.move(spout, x + 0.03 * k, -0.10, z + 0.285), steel))
+        parts.cylinder("spout", steel, 0.012, 0.05, 16, x=x + 0.03 * k, y=-0.10, z=z + 0.285)
     for k, (cx, cy, tall) in enumerate(((0.16, 0.02, 9), (0.26, -0.05, 5), (0.34, 0.08, 7))):
         for n in range(tall):
             rim = mesh.lathe(
                 f"{name}_cup{k}", [(0.027, 0.0), (0.036, 0.082), (0.0385, 0.085), (0.036, 0.087)], 20
             )
-            parts.append(
-                mesh.set_material(mesh.move(mesh.rotate(rim, "Z", 9.0 * n), cx, cy, z + 0.011 * n), paper)
-            )
-    return mesh.join(name, parts)
+            parts.add(rim, paper, x=cx, y=cy, z=z + 0.011 * n, turn=("Z", 9.0 * n))
+    return parts.join()

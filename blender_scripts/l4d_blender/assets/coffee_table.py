@@ -9,6 +9,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.assets.parts import CORNERS, Parts
 from l4d_blender.catalogue import colours, kind
 
 HEIGHT_M = 0.42
@@ -26,25 +27,19 @@ def coffee_table(
     top_wood = interior.wood(f"{name}_top", colour, rng, grain_axis="X", gloss=0.3)
     leg_wood = interior.wood(f"{name}_legs", colour, rng, grain_axis="Z", gloss=0.35)
     width, depth = size_m
-    top = mesh.move(mesh.bevel_box(f"{name}_board", (width, depth, 0.032), 0.010), z=HEIGHT_M - 0.032)
-    parts = [mesh.set_material(top, top_wood)]
+    parts = Parts(name)
+    parts.box("board", top_wood, (width, depth, 0.032), 0.010, z=HEIGHT_M - 0.032)
     for side in (-1, 1):
         for size, x, y in (
             ((width - 0.16, 0.018, 0.045), 0, side * (depth / 2 - 0.055)),
             ((0.018, depth - 0.14, 0.045), side * (width / 2 - 0.055), 0),
         ):
-            apron = mesh.move(mesh.bevel_box(f"{name}_apron", size, 0.003), x=x, y=y, z=HEIGHT_M - 0.077)
-            parts.append(mesh.set_material(apron, top_wood))
-    for x in (-1, 1):
-        for y in (-1, 1):
-            leg = mesh.cylinder(f"{name}_leg", 0.013, HEIGHT_M - 0.03, 20, top_radius=0.024)
-            leg = mesh.rotate(mesh.rotate(leg, "Y", -5 * x), "X", 5 * y)
-            parts.append(
-                mesh.set_material(
-                    mesh.move(leg, x=x * (width / 2 - 0.035), y=y * (depth / 2 - 0.035)), leg_wood
-                )
-            )
-    return mesh.join(name, parts)
+            parts.box("apron", top_wood, size, 0.003, x=x, y=y, z=HEIGHT_M - 0.077)
+    for x, y in CORNERS:
+        leg = mesh.cylinder(f"{name}_leg", 0.013, HEIGHT_M - 0.03, 20, top_radius=0.024)
+        leg = mesh.rotate(mesh.rotate(leg, "Y", -5 * x), "X", 5 * y)
+        parts.add(leg, leg_wood, x=x * (width / 2 - 0.035), y=y * (depth / 2 - 0.035))
+    return parts.join()
 
 
 @kind("mug", (0.121, 0.082, 0.092), "graspable", "container", colour=colours("colour"))
@@ -88,7 +83,8 @@ def fruit_bowl(name: str, rng: random.Random) -> bpy.types.Object:
         (0.0, 0.015),
     ]
     bowl = mesh.lathe(f"{name}_bowl", profile, 40, close_bottom=False)
-    parts = [mesh.set_material(bowl, interior.ceramic(f"{name}_glaze", (0.16, 0.30, 0.34), rng))]
+    parts = Parts(name)
+    parts.add(bowl, interior.ceramic(f"{name}_glaze", (0.16, 0.30, 0.34), rng))
     peels = [
         principled(
             f"{name}_{kind}", colour, roughness=0.4, variation=0.3, variation_scale=18, bump=(90, 0.001)
@@ -103,16 +99,15 @@ def fruit_bowl(name: str, rng: random.Random) -> bpy.types.Object:
         ((-0.045, 0.01, 0.064), (0.042, 0.028, 0.066), (0.012, -0.048, 0.063), (0.0, 0.005, 0.108))
     ):
         radius = rng.uniform(0.036, 0.041)
-        fruit = mesh.ellipsoid(f"{name}_fruit", (radius, radius, radius * 0.93), 20, 12, centre=(x, y, z))
-        parts.append(mesh.set_material(fruit, peels[k % 3]))
-    return mesh.join(name, parts)
+        parts.ellipsoid("fruit", peels[k % 3], (radius, radius, radius * 0.93), 20, 12, centre=(x, y, z))
+    return parts.join()
 
 
 @kind("books", (0.266, 0.216, 0.077), "surface")
 def book_stack(name: str, rng: random.Random, *, count: int = 3) -> bpy.types.Object:
     """Books that lie on each other, each a little turned."""
     paper = principled(f"{name}_paper", (0.78, 0.72, 0.60), roughness=0.9, variation=0.2, variation_scale=90)
-    parts, height = [], 0.0
+    parts, height = Parts(name), 0.0
     for i in range(count):
         w, d, t = rng.uniform(0.19, 0.24), rng.uniform(0.14, 0.17), rng.uniform(0.018, 0.034)
         colour = rng.choice([(0.45, 0.09, 0.06), (0.07, 0.17, 0.30), (0.10, 0.26, 0.15), (0.62, 0.42, 0.12)])
@@ -126,7 +121,6 @@ def book_stack(name: str, rng: random.Random, *, count: int = 3) -> bpy.types.Ob
         book = [mesh.set_material(part, cover) for part in (*boards, spine)]
         pages = mesh.move(mesh.box(f"{name}_pages", (w - 0.010, d - 0.010, t - 0.006)), z=0.003)
         book.append(mesh.set_material(pages, paper))
-        whole = mesh.rotate(mesh.join(f"{name}_book{i}", book), "Z", rng.uniform(-16, 16))
-        parts.append(mesh.move(whole, z=height))
+        parts.add(mesh.join(f"{name}_book{i}", book), z=height, turn=("Z", rng.uniform(-16, 16)))
         height += t + 0.0005
-    return mesh.join(name, parts)
+    return parts.join()

@@ -12,6 +12,7 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
+from l4d_blender.assets.parts import CORNERS, Parts
 from l4d_blender.catalogue import Range, colours, kind, words
 from l4d_blender.colour import Colour
 
@@ -79,7 +80,7 @@ def _upholstered(
     fabric = interior.cloth(f"{name}_cloth", cloth, rng)
     timber = interior.wood(f"{name}_legs", rng.choice(TIMBERS), rng, grain_axis="Z")
     arm, arm_top = {"wide": (0.19, 0.60), "slim": (0.10, 0.58), "low": (0.16, 0.50)}[arms]
-    foot, parts = 0.12, []
+    foot, parts = 0.12, Parts(name)
 
     def block(
         size: tuple[float, float, float],
@@ -90,7 +91,7 @@ def _upholstered(
     ) -> None:
         obj = mesh.bevel_box(f"{name}_block", size, bevel, 4)
         obj = mesh.rotate(mesh.shade_smooth(obj, 60.0), "X", tilt)
-        parts.append(mesh.set_material(mesh.move(obj, *at), material))
+        parts.add(mesh.move(obj, *at), material)
 
     inner = width - 2 * arm
     block((width - 0.02, depth - 0.06, 0.20), (0.0, 0.02, foot), 0.03)
@@ -107,12 +108,10 @@ def _upholstered(
         for side in rng.choice(((-1,), (1,), (-1, 1))) if seats > 1 else (rng.choice((-1, 1)),):
             x = side * (inner / 2 - 0.22) if seats > 1 else 0.0
             block((0.38, 0.13, 0.36), (x, depth / 2 - 0.39, SEAT_M - 0.005), 0.06, -20.0, loose)
-    for x in (-1, 1):
-        for y in (-1, 1):
-            leg = mesh.cylinder(f"{name}_foot", 0.017, foot + 0.02, 10, top_radius=0.026)
-            mesh.move(leg, x=x * (width / 2 - 0.10), y=y * (depth / 2 - 0.11))
-            parts.append(mesh.set_material(leg, timber))
-    return mesh.join(name, parts)
+    for x, y in CORNERS:
+        leg = mesh.cylinder(f"{name}_foot", 0.017, foot + 0.02, 10, top_radius=0.026)
+        parts.add(leg, timber, x=x * (width / 2 - 0.10), y=y * (depth / 2 - 0.11))
+    return parts.join()
 
 
 @kind(
@@ -124,18 +123,15 @@ def hall_bench(
     """A wooden bench with a flat cushion, for a hall or the end of a bed."""
     wood = products.wood(f"{name}_wood", (0.36, 0.21, 0.10), (0.20, 0.10, 0.045), rng, grain_axis="X")
     fabric = interior.cloth(f"{name}_cloth", cloth, rng)
-    top = mesh.move(mesh.bevel_box(f"{name}_top", (width_m, 0.40, 0.04), 0.006, 2), z=0.36)
-    pad = mesh.move(mesh.bevel_box(f"{name}_pad", (width_m - 0.03, 0.38, 0.06), 0.022, 3), z=0.40)
-    rail = mesh.move(mesh.bevel_box(f"{name}_rail", (width_m - 0.16, 0.05, 0.05), 0.004, 1), z=0.14)
-    parts = [mesh.set_material(top, wood), mesh.set_material(pad, fabric), mesh.set_material(rail, wood)]
+    parts = Parts(name)
+    parts.box("top", wood, (width_m, 0.40, 0.04), 0.006, 2, z=0.36)
+    parts.box("pad", fabric, (width_m - 0.03, 0.38, 0.06), 0.022, 3, z=0.40)
+    parts.box("rail", wood, (width_m - 0.16, 0.05, 0.05), 0.004, 1, z=0.14)
     for x in (-1, 1):
         for y in (-1, 1):
-            leg = mesh.bevel_box(f"{name}_leg", (0.05, 0.05, 0.37), 0.004, 1)
-            mesh.move(leg, x=x * (width_m / 2 - 0.07), y=y * 0.15)
-            parts.append(mesh.set_material(leg, wood))
-        stretcher = mesh.bevel_box(f"{name}_stretcher", (0.04, 0.30, 0.05), 0.004, 1)
-        parts.append(mesh.set_material(mesh.move(stretcher, x=x * (width_m / 2 - 0.07), z=0.14), wood))
-    return mesh.join(name, parts)
+            parts.box("leg", wood, (0.05, 0.05, 0.37), 0.004, 1, x=x * (width_m / 2 - 0.07), y=y * 0.15)
+        parts.box("stretcher", wood, (0.04, 0.30, 0.05), 0.004, 1, x=x * (width_m / 2 - 0.07), z=0.14)
+    return parts.join()
 
 
 @kind("stool", (0.52, 0.52, 0.42), "seat", colour=colours("cloth"))

@@ -13,6 +13,7 @@ from mathutils import Matrix
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 from l4d_blender.colour import Colour
 
@@ -33,14 +34,14 @@ def loose_crayons(
     name: str, rng: random.Random, *, count: int = 5, spread_m: tuple[float, float] = (0.09, 0.06)
 ) -> bpy.types.Object:
     """Crayons that lie side by side, each turned a little differently."""
-    parts = []
+    parts = Parts(name)
     for k in range(count):
         stick = _crayon(f"{name}_{k}", COLOURS[k % len(COLOURS)], rng, rng.uniform(0.055, 0.088))
         y = spread_m[1] * (k / max(count - 1, 1) - 0.5) * 1.6
         turn = Matrix.Rotation(rng.uniform(-0.35, 0.35), 4, "Z")
         at = Matrix.Translation((rng.uniform(-0.5, 0.5) * spread_m[0] * 0.5, y, RADIUS_M))
-        parts.append(mesh.transform(stick, at @ turn @ Matrix.Rotation(pi / 2, 4, "Y")))
-    return mesh.join(name, parts)
+        parts.add(stick, within=at @ turn @ Matrix.Rotation(pi / 2, 4, "Y"))
+    return parts.join()
 
 
 @kind("box", (0.1, 0.103, 0.013), "container")
@@ -48,17 +49,14 @@ def crayon_box(name: str, rng: random.Random, *, card: Colour = (0.7, 0.47, 0.04
     """A flat cardboard box 10 cm wide whose crayons stick out at -Y."""
     paper = products.paper(f"{name}_card", card, rng)
     dark = products.paper(f"{name}_band", (0.05, 0.22, 0.10), rng)
-    box = mesh.bevel_box(f"{name}_box", (0.100, 0.070, 0.013), 0.0008, segments=1)
-    band = mesh.bevel_box(f"{name}_print", (0.1004, 0.026, 0.0134), 0.0008, segments=1)
-    parts = [
-        mesh.set_material(mesh.move(box, y=0.018), paper),
-        mesh.set_material(mesh.move(band, y=0.020, z=-0.0002), dark),
-    ]
+    parts = Parts(name)
+    parts.box("box", paper, (0.100, 0.070, 0.013), 0.0008, segments=1, y=0.018)
+    parts.box("print", dark, (0.1004, 0.026, 0.0134), 0.0008, segments=1, y=0.020, z=-0.0002)
     for k in range(9):
         stick = _crayon(f"{name}_{k}", COLOURS[(2 * k) % len(COLOURS)], rng, 0.062)
         at = Matrix.Translation((-0.044 + 0.011 * k, -0.014 + rng.uniform(-0.005, 0.005), 0.0065))
-        parts.append(mesh.transform(stick, at @ Matrix.Rotation(pi / 2, 4, "X")))
-    return mesh.join(name, parts)
+        parts.add(stick, within=at @ Matrix.Rotation(pi / 2, 4, "X"))
+    return parts.join()
 
 
 def _crayon(name: str, wax: Colour, rng: random.Random, length_m: float) -> bpy.types.Object:

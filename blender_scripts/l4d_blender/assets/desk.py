@@ -11,6 +11,7 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 from l4d_blender.colour import Colour
 
@@ -36,22 +37,19 @@ def desk(
     mesh.set_material(top, oak)
 
     frame = products.lacquer(f"{name}_frame", steel, rng)
-    parts = [top]
+    parts = Parts(name)
+    parts.add(top)
     for x in (-0.5 * width + 0.06, 0.5 * width - 0.06):
         for y in (-0.5 * depth + 0.06, 0.5 * depth - 0.06):
-            leg = mesh.bevel_box(f"{name}_leg", (0.045, 0.045, HEIGHT_M - TOP_M), 0.004)
-            parts.append(mesh.set_material(mesh.move(leg, x=x, y=y), frame))
-        foot = mesh.bevel_box(f"{name}_foot", (0.045, depth - 0.12, 0.03), 0.004)
-        parts.append(mesh.set_material(mesh.move(foot, x=x), frame))
+            parts.box("leg", frame, (0.045, 0.045, HEIGHT_M - TOP_M), 0.004, x=x, y=y)
+        parts.box("foot", frame, (0.045, depth - 0.12, 0.03), 0.004, x=x)
     rail = mesh.bevel_box(f"{name}_rail", (width - 0.12, 0.03, 0.06), 0.004)
-    parts.append(mesh.set_material(mesh.move(rail, y=0.5 * depth - 0.06, z=HEIGHT_M - TOP_M - 0.06), frame))
+    parts.add(rail, frame, y=0.5 * depth - 0.06, z=HEIGHT_M - TOP_M - 0.06)
 
     front = products.lacquer(f"{name}_drawers", (0.52, 0.51, 0.48), rng)
     pull = products.metal(f"{name}_pulls", (0.5, 0.5, 0.5), rng)
     x = -0.5 * width + 0.30
     for k in range(3):
-        drawer = mesh.bevel_box(f"{name}_drawer", (0.38, 0.5, 0.186), 0.004)
-        parts.append(mesh.set_material(mesh.move(drawer, x=x, z=0.10 + 0.192 * k), front))
-        handle = mesh.bevel_box(f"{name}_pull", (0.12, 0.018, 0.010), 0.003)
-        parts.append(mesh.set_material(mesh.move(handle, x=x, y=-0.258, z=0.20 + 0.192 * k), pull))
-    return mesh.join(name, parts)
+        parts.box("drawer", front, (0.38, 0.5, 0.186), 0.004, x=x, z=0.10 + 0.192 * k)
+        parts.box("pull", pull, (0.12, 0.018, 0.010), 0.003, x=x, y=-0.258, z=0.20 + 0.192 * k)
+    return parts.join()

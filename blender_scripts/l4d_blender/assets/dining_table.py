@@ -14,6 +14,7 @@ from mathutils import noise
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
+from l4d_blender.assets.parts import CORNERS, Parts
 from l4d_blender.catalogue import kind
 from l4d_blender.colour import Colour
 
@@ -36,17 +37,15 @@ def dining_table(
     top_z = -CLOTH_M - 0.0006 if under_cloth else 0.0
     wood = products.wood(f"{name}_wood", light, dark, rng, grain_axis="X", stave_m=0.155, stave_length_m=1.7)
     legs = products.wood(f"{name}_legs", light, dark, rng, grain_axis="Z")
-    slab = mesh.bevel_box(f"{name}_top", (length, depth, 0.034), 0.006, 3)
-    parts = [mesh.set_material(mesh.move(slab, z=top_z - 0.034), wood)]
-    for sx in (-1, 1):
-        for sy in (-1, 1):
-            leg = mesh.cylinder(f"{name}_leg", 0.024, HEIGHT_M - 0.034, 20, top_radius=0.034)
-            mesh.move(leg, x=sx * (0.5 * length - 0.09), y=sy * (0.5 * depth - 0.09), z=-HEIGHT_M)
-            parts.append(mesh.set_material(leg, legs))
+    parts = Parts(name)
+    parts.box("top", wood, (length, depth, 0.034), 0.006, 3, z=top_z - 0.034)
+    for sx, sy in CORNERS:
+        leg = mesh.cylinder(f"{name}_leg", 0.024, HEIGHT_M - 0.034, 20, top_radius=0.034)
+        parts.add(leg, legs, x=sx * (0.5 * length - 0.09), y=sy * (0.5 * depth - 0.09), z=-HEIGHT_M)
     for sy in (-1, 1):
         rail = mesh.bevel_box(f"{name}_rail", (length - 0.2, 0.022, 0.09), 0.003, 2)
-        parts.append(mesh.set_material(mesh.move(rail, y=sy * (0.5 * depth - 0.09), z=top_z - 0.125), legs))
-    return mesh.join(name, parts)
+        parts.add(rail, legs, y=sy * (0.5 * depth - 0.09), z=top_z - 0.125)
+    return parts.join()
 
 
 @kind("tablecloth", (1.71, 1.1, 0.329), "surface")

@@ -12,6 +12,7 @@ from l4d_blender.catalogue import kind
 
 from . import mesh
 from .materials import outdoors
+from .parts import Parts
 
 PLANK_M = 0.036
 
@@ -37,14 +38,12 @@ def dock(
         x += width + rng.uniform(0.006, 0.013)
     deck = mesh.join(f"{name}_deck", planks)
     mesh.set_material(deck, outdoors.weathered_wood(f"{name}_deck", (0.235, 0.190, 0.145), grain_axis="Y"))
-    frame = []
+    frame = Parts(f"{name}_beams")
     length = x_range[1] - x_range[0]
     for side in (-1.0, 1.0):
         bearer = mesh.bevel_box(f"{name}_bearer", (length - 0.1, 0.09, 0.15), 0.008, 1)
-        frame.append(
-            mesh.move(bearer, x=sum(x_range) / 2, y=side * (half_width_m - 0.16), z=-PLANK_M - 0.152)
-        )
-    beams = mesh.join(f"{name}_beams", frame)
+        frame.add(bearer, x=sum(x_range) / 2, y=side * (half_width_m - 0.16), z=-PLANK_M - 0.152)
+    beams = frame.join()
     mesh.set_material(beams, outdoors.weathered_wood(f"{name}_beams", (0.15, 0.12, 0.09), grain_axis="X"))
     piles = []
     count = max(2, round(length / 1.35) + 1)
@@ -65,13 +64,12 @@ def mooring_post(
     """A stout pile with turns of rope round its neck, at the origin."""
     pile = _pile(f"{name}_pile", rng, 0.0, 0.0, bed_m, top_m, 0.085)
     mesh.set_material(pile, outdoors.weathered_wood(f"{name}_wood", (0.19, 0.15, 0.11)))
-    turns = []
+    turns = Parts(f"{name}_rope")
     for k in range(3):
         ring = mesh.torus(f"{name}_turn", 0.090, 0.011, 28, 8)
         tilt = Matrix.Rotation(rng.uniform(-0.12, 0.12), 4, "X")
-        turns.append(mesh.transform(ring, Matrix.Translation((0, 0, top_m - 0.22 + 0.021 * k)) @ tilt))
-    rope = mesh.join(f"{name}_rope", turns)
-    mesh.set_material(rope, outdoors.rope(f"{name}_hemp"))
+        turns.add(ring, within=Matrix.Translation((0, 0, top_m - 0.22 + 0.021 * k)) @ tilt)
+    rope = mesh.set_material(turns.join(), outdoors.rope(f"{name}_hemp"))
     return mesh.join(name, [pile, rope])
 
 

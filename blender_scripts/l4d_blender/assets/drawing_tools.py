@@ -12,6 +12,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind
 from l4d_blender.colour import Colour
 
@@ -21,21 +22,17 @@ def ruler(name: str, rng: random.Random, *, length_m: float = 0.21) -> bpy.types
     """A ruler of beech with engraved centimetres and a steel edge."""
     beech = products.wood(f"{name}_beech", (0.60, 0.42, 0.22), (0.44, 0.28, 0.13), rng, grain_axis="X")
     ink = products.satin_plastic(f"{name}_ink", (0.03, 0.025, 0.02), rng, roughness=0.7)
-    board = mesh.bevel_box(f"{name}_board", (length_m, 0.032, 0.0036), 0.001, segments=2)
     edge = mesh.bevel_box(f"{name}_edge", (length_m, 0.0014, 0.0040), 0.0003, segments=1)
-    parts = [
-        mesh.set_material(board, beech),
-        mesh.set_material(mesh.move(edge, y=0.0163), products.metal(f"{name}_steel", (0.6, 0.6, 0.62), rng)),
-    ]
+    parts = Parts(name)
+    parts.box("board", beech, (length_m, 0.032, 0.0036), 0.001, segments=2)
+    parts.add(edge, products.metal(f"{name}_steel", (0.6, 0.6, 0.62), rng), y=0.0163)
     for k in range(int(length_m / 0.005) - 1):
         x = -0.5 * length_m + 0.005 * (k + 1)
         tall = 0.009 if k % 2 else 0.005
-        mark = mesh.box(f"{name}_mark", (0.0005, tall, 0.0002))
-        parts.append(mesh.set_material(mesh.move(mark, x=x, y=0.0150 - 0.5 * tall, z=0.0036), ink))
+        parts.box("mark", ink, (0.0005, tall, 0.0002), x=x, y=0.0150 - 0.5 * tall, z=0.0036)
         if k % 2 and k > 1:
-            digits = lettering(f"{name}_digits", str((k + 1) // 2), 0.0045)
-            parts.append(mesh.set_material(mesh.move(digits, x, -0.002, 0.0038), ink))
-    return mesh.join(name, parts)
+            parts.add(lettering(f"{name}_digits", str((k + 1) // 2), 0.0045), ink, x=x, y=-0.002, z=0.0038)
+    return parts.join()
 
 
 @kind("eraser", (0.052, 0.023, 0.014), "graspable", "pushable", colour=colours("sleeve"))
@@ -44,16 +41,8 @@ def rubber(name: str, rng: random.Random, *, sleeve: Colour = (0.05, 0.13, 0.36)
     white = products.satin_plastic(f"{name}_white", (0.70, 0.69, 0.66), rng, roughness=0.85)
     card = products.paper(f"{name}_sleeve", sleeve, rng)
     stripe = products.paper(f"{name}_stripe", (0.72, 0.70, 0.64), rng)
-    block = mesh.bevel_box(f"{name}_block", (0.052, 0.022, 0.0125), 0.004, segments=4)
-    wrap = mesh.bevel_box(f"{name}_wrap", (0.036, 0.0228, 0.0133), 0.0008, segments=1)
-    line = mesh.bevel_box(f"{name}_line", (0.009, 0.0230, 0.0136), 0.0008, segments=1)
-    return mesh.drop_to_base(
-        mesh.join(
-            name,
-            [
-                mesh.set_material(block, white),
-                mesh.set_material(mesh.move(wrap, x=0.006, z=-0.0004), card),
-                mesh.set_material(mesh.move(line, x=0.006, z=-0.0005), stripe),
-            ],
-        )
-    )
+    parts = Parts(name)
+    parts.box("block", white, (0.052, 0.022, 0.0125), 0.004, segments=4)
+    parts.box("wrap", card, (0.036, 0.0228, 0.0133), 0.0008, segments=1, x=0.006, z=-0.0004)
+    parts.box("line", stripe, (0.009, 0.0230, 0.0136), 0.0008, segments=1, x=0.006, z=-0.0005)
+    return mesh.drop_to_base(parts.join())

@@ -14,6 +14,7 @@ from l4d_blender.catalogue import kind
 
 from . import mesh
 from .materials import outdoors
+from .parts import Parts
 
 
 def _bar(name: str, start: Vector, end: Vector, width: float, height: float) -> bpy.types.Object:
@@ -95,18 +96,15 @@ def wheelbarrow(name: str, rng: random.Random) -> bpy.types.Object:
 @kind("ladder", (0.445, 0.065, 3.2))
 def ladder(name: str, rng: random.Random, *, length_m: float = 3.2) -> bpy.types.Object:
     """Stands upright along +Z, 0.42 m wide in X; the recipe leans it."""
-    parts = []
+    parts = Parts(name)
     for side in (-1.0, 1.0):
-        rail = mesh.bevel_box(f"{name}_rail", (0.045, 0.065, length_m), 0.01, 1)
-        parts.append(mesh.move(rail, x=side * 0.20))
+        parts.add(mesh.bevel_box("rail", (0.045, 0.065, length_m), 0.01, 1), x=side * 0.20)
     z = 0.28
     while z < length_m - 0.1:
         tilt = rng.uniform(-0.008, 0.008)
-        parts.append(
-            mesh.tube(f"{name}_rung", [Vector((-0.2, 0, z - tilt)), Vector((0.2, 0, z + tilt))], 0.017, 8)
-        )
+        parts.add(mesh.tube("rung", [Vector((-0.2, 0, z - tilt)), Vector((0.2, 0, z + tilt))], 0.017, 8))
         z += 0.29
-    whole = mesh.join(name, parts)
+    whole = parts.join()
     return mesh.set_material(whole, outdoors.weathered_wood(f"{name}_wood", (0.30, 0.23, 0.15)))
 
 
@@ -120,7 +118,8 @@ def hay_fork(name: str, rng: random.Random) -> bpy.types.Object:
         9,
     )
     mesh.set_material(shaft, outdoors.turned_wood(f"{name}_shaft"))
-    parts = [shaft]
+    parts = Parts(name)
+    parts.add(shaft)
     iron = outdoors.wrought_iron(f"{name}_iron")
     for side in (-1.0, 0.0, 1.0):
         points = [
@@ -130,11 +129,8 @@ def hay_fork(name: str, rng: random.Random) -> bpy.types.Object:
             (side * 0.105, -0.03, 0.12),
             (side * 0.10, -0.02, 0.0),
         ]
-        prong = mesh.tube(
-            f"{name}_prong", [Vector(p) for p in points], [0.012, 0.009, 0.008, 0.007, 0.003], 7
-        )
-        parts.append(mesh.set_material(prong, iron))
-    return mesh.join(name, parts)
+        parts.tube("prong", iron, [Vector(p) for p in points], [0.012, 0.009, 0.008, 0.007, 0.003], 7)
+    return parts.join()
 
 
 @kind("churn", (0.421, 0.346, 0.735), "container")

@@ -13,6 +13,7 @@ from l4d_blender.catalogue import kind
 
 from . import mesh
 from .materials import outdoors
+from .parts import Parts
 
 Height = Callable[[float, float], float]
 
@@ -82,21 +83,19 @@ def fence(
 @kind("gate", (2.4, 0.1, 1.1), "opens", front="-y")
 def gate(name: str, rng: random.Random, *, width_m: float = 2.4, height_m: float = 1.15) -> bpy.types.Object:
     """A five-bar field gate along +X from its hinge at the origin."""
-    parts = []
+    parts = Parts(name)
     for k in range(5):
         bar = mesh.bevel_box(f"{name}_bar", (width_m, 0.03, 0.075), 0.008, 1)
-        parts.append(mesh.move(bar, x=width_m / 2, z=0.16 + (height_m - 0.28) * k / 4))
+        parts.add(bar, x=width_m / 2, z=0.16 + (height_m - 0.28) * k / 4)
     for x in (0.05, width_m / 2, width_m - 0.05):
-        stile = mesh.bevel_box(f"{name}_stile", (0.085, 0.05, height_m - 0.05), 0.008, 1)
-        parts.append(mesh.move(stile, x=x, y=-0.03, z=0.10))
+        parts.add(mesh.bevel_box("stile", (0.085, 0.05, height_m - 0.05), 0.008, 1), x=x, y=-0.03, z=0.10)
     rise = height_m - 0.3
-    brace = mesh.bevel_box(f"{name}_brace", (math.hypot(width_m - 0.1, rise), 0.03, 0.07), 0.008, 1)
-    mesh.transform(
-        brace,
-        Matrix.Translation((width_m / 2, 0.03, 0.18 + rise / 2))
+    parts.add(
+        mesh.bevel_box("brace", (math.hypot(width_m - 0.1, rise), 0.03, 0.07), 0.008, 1),
+        within=Matrix.Translation((width_m / 2, 0.03, 0.18 + rise / 2))
         @ Matrix.Rotation(-math.atan2(rise, width_m), 4, "Y"),
     )
-    whole = mesh.join(name, [*parts, brace])
+    whole = parts.join()
     return mesh.set_material(
         whole, outdoors.weathered_wood(f"{name}_wood", (0.23, 0.195, 0.155), grain_axis="X")
     )

@@ -14,6 +14,7 @@ from mathutils import Matrix, Vector
 from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 from l4d_blender.colour import Colour
 
@@ -46,11 +47,8 @@ def flower_vase(
     glaze: Colour = (0.46, 0.5, 0.46),
 ) -> bpy.types.Object:
     """A jug 12 cm tall whose bouquet reaches about 25 cm."""
-    parts = [
-        mesh.set_material(
-            mesh.lathe(f"{name}_jug", _JUG, 44), products.glaze(f"{name}_glaze", glaze, rng, speckle=0.4)
-        )
-    ]
+    parts = Parts(name)
+    parts.lathe("jug", products.glaze(f"{name}_glaze", glaze, rng, speckle=0.4), _JUG, 44)
     green = products.leaf(f"{name}_leaf", (0.06, 0.17, 0.035), rng)
     hearts = [tableware.petal(f"{name}_heart{k}", kind[1], kind[1], rng) for k, kind in enumerate(kinds)]
     petals = [tableware.petal(f"{name}_petal{k}", *kind, rng) for k, kind in enumerate(kinds)]
@@ -62,7 +60,7 @@ def flower_vase(
         tip, root = out * reach + Vector((0, 0, top)), -0.3 * out * reach * 0.3 + Vector((0, 0, 0.04))
         path = keys.Path([root, out * 0.022 + Vector((0, 0, 0.118)), tip])
         line = [path.point(path.length * step / 7) for step in range(8)]
-        parts.append(mesh.set_material(mesh.tube(f"{name}_stem", line, 0.0014, 6, cap=False), green))
+        parts.tube("stem", green, line, 0.0014, 6, cap=False)
         which = k % len(kinds)
         look = (line[-1] - line[-2]).normalized().lerp(out, 0.25).normalized()
         turn = look.to_track_quat("Z", "Y").to_matrix().to_4x4()
@@ -72,8 +70,8 @@ def flower_vase(
             at, away = path.point(t * path.length), 2.0 * rng.uniform(0, pi)
             blade = _leaf(f"{name}_blade", rng.uniform(0.035, 0.055))
             turn = Matrix.Rotation(away, 4, "Z") @ Matrix.Rotation(rng.uniform(0.1, 0.8), 4, "X")
-            parts.append(mesh.set_material(mesh.transform(blade, Matrix.Translation(at) @ turn), green))
-    return mesh.join(name, parts)
+            parts.add(blade, green, within=Matrix.Translation(at) @ turn)
+    return parts.join()
 
 
 def _head(

@@ -14,6 +14,7 @@ from mathutils import Matrix, Vector, noise
 from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind
 from l4d_blender.colour import Colour
 
@@ -102,7 +103,7 @@ def pear(name: str, rng: random.Random) -> bpy.types.Object:
 def bananas(name: str, rng: random.Random, *, count: int = 4) -> bpy.types.Object:
     """A bunch that lies on its side and bends towards -Y; the crown is at +X."""
     skin = tableware.ripe_skin(f"{name}_skin", (0.70, 0.46, 0.045), (0.13, 0.07, 0.02), rng)
-    parts = []
+    parts = Parts(name)
     for k in range(count):
         lift, off = 0.019 + 0.006 * (k % 2), 0.030 * (k - (count - 1) / 2)
         points, radii = [], []
@@ -118,8 +119,8 @@ def bananas(name: str, rng: random.Random, *, count: int = 4) -> bpy.types.Objec
             )
             body = min(1.0, 5.5 * t + 0.22, 9.0 * (1 - t) + 0.22)
             radii.append(0.0172 * body * (0.93 + 0.07 * sin(pi * t)))
-        parts.append(mesh.set_material(mesh.tube(f"{name}_{k}", points, radii, 10), skin))
-    return mesh.drop_to_base(mesh.join(name, parts))
+        parts.tube(f"{k}", skin, points, radii, 10)
+    return mesh.drop_to_base(parts.join())
 
 
 @kind("grapes", (0.073, 0.174, 0.048), "graspable")
@@ -128,21 +129,17 @@ def grapes(
 ) -> bpy.types.Object:
     """A bunch of dark grapes that lies along Y, its stalk at +Y."""
     bloom = tableware.wax(f"{name}_bloom", colour, rng)
-    parts = []
+    parts = Parts(name)
     for k in range(count):
         t = (k + 0.5) / count
         width = 0.030 * (1 - t) ** 0.5 + 0.006
         angle, level = 2.39996 * k, rng.random() ** 0.6
         at = (width * cos(angle) * (1 - 0.4 * level), 0.055 - 0.12 * t, 0.010 + 0.030 * level * (1 - 0.6 * t))
         size = rng.uniform(0.0088, 0.0108)
-        parts.append(
-            mesh.set_material(mesh.ellipsoid(f"{name}_{k}", (size, size, 1.12 * size), 14, 10, at), bloom)
-        )
+        parts.ellipsoid(f"{k}", bloom, (size, size, 1.12 * size), 14, 10, at)
     stalk = mesh.tube(f"{name}_stalk", [(0, 0.03, 0.02), (0.004, 0.07, 0.03), (0.0, 0.10, 0.026)], 0.0022, 8)
-    parts.append(
-        mesh.set_material(stalk, products.wood(f"{name}_wood", (0.20, 0.16, 0.06), (0.1, 0.07, 0.03), rng))
-    )
-    return mesh.drop_to_base(mesh.join(name, parts))
+    parts.add(stalk, products.wood(f"{name}_wood", (0.20, 0.16, 0.06), (0.1, 0.07, 0.03), rng))
+    return mesh.drop_to_base(parts.join())
 
 
 def _citrus(

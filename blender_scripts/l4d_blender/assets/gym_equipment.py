@@ -15,6 +15,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import gym, interior
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.materials.products import glow, satin_plastic
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind
 from l4d_blender.colour import Colour
 
@@ -31,10 +32,9 @@ def bench(name: str, rng: random.Random, *, colour: Colour = (0.34, 0.045, 0.035
     seam = mesh.move(mesh.bevel_box(f"{name}_seam", (1.232, 0.322, 0.008), 0.003), z=BENCH_TOP_M - 0.062)
     coat = gym.powder_coat(f"{name}_frame", (0.055, 0.057, 0.062), rng)
     rubber = principled(f"{name}_feet", (0.015, 0.015, 0.015), roughness=0.85)
-    parts = [
-        mesh.set_material(pad, gym.vinyl(f"{name}_vinyl", colour, rng)),
-        mesh.set_material(seam, principled(f"{name}_piping", (0.5, 0.5, 0.48), roughness=0.5)),
-    ]
+    parts = Parts(name)
+    parts.add(pad, gym.vinyl(f"{name}_vinyl", colour, rng))
+    parts.add(seam, principled(f"{name}_piping", (0.5, 0.5, 0.48), roughness=0.5))
     for size, x, y, z in (
         ((1.08, 0.07, 0.05), 0.0, 0.0, BENCH_TOP_M - 0.127),
         ((0.06, 0.06, 0.27), -0.42, 0.0, 0.05),
@@ -43,13 +43,10 @@ def bench(name: str, rng: random.Random, *, colour: Colour = (0.34, 0.045, 0.035
         ((0.07, 0.40, 0.05), 0.42, 0.0, 0.02),
         ((0.80, 0.05, 0.05), 0.0, 0.0, 0.10),
     ):
-        parts.append(
-            mesh.set_material(mesh.move(mesh.bevel_box(f"{name}_tube", size, 0.006), x=x, y=y, z=z), coat)
-        )
+        parts.box("tube", coat, size, 0.006, x=x, y=y, z=z)
     for x, y in ((-0.42, 0.235), (-0.42, -0.235), (0.42, 0.185), (0.42, -0.185)):
-        foot = mesh.move(mesh.bevel_box(f"{name}_foot", (0.078, 0.04, 0.075), 0.008), x=x, y=y)
-        parts.append(mesh.set_material(foot, rubber))
-    return mesh.join(name, parts)
+        parts.box("foot", rubber, (0.078, 0.04, 0.075), 0.008, x=x, y=y)
+    return parts.join()
 
 
 @kind("step", (0.72, 0.38, 0.2), "surface", colour=colours("colour"))
@@ -58,20 +55,13 @@ def step(name: str, rng: random.Random, *, colour: Colour = (0.10, 0.34, 0.36)) 
     plastic = satin_plastic(f"{name}_riser", colour, rng)
     grey = satin_plastic(f"{name}_body", (0.10, 0.10, 0.11), rng)
     top = principled(f"{name}_top", (0.045, 0.045, 0.05), roughness=0.8, variation=0.3, bump=(190, 0.003))
-    parts = [
-        mesh.set_material(
-            mesh.move(mesh.bevel_box(f"{name}_deck", (0.72, 0.38, 0.085), 0.03, 4), z=STEP_TOP_M - 0.088),
-            grey,
-        ),
-        mesh.set_material(
-            mesh.move(mesh.bevel_box(f"{name}_mat", (0.65, 0.31, 0.012), 0.004), z=STEP_TOP_M - 0.012), top
-        ),
-    ]
+    parts = Parts(name)
+    parts.box("deck", grey, (0.72, 0.38, 0.085), 0.03, 4, z=STEP_TOP_M - 0.088)
+    parts.box("mat", top, (0.65, 0.31, 0.012), 0.004, z=STEP_TOP_M - 0.012)
     for x in (-0.24, 0.24):
         for z in (0.0, 0.058):
-            riser = mesh.bevel_box(f"{name}_riser", (0.20 + 0.015 * (z == 0), 0.36, 0.058), 0.012, 3)
-            parts.append(mesh.set_material(mesh.move(riser, x=x, z=z), plastic))
-    return mesh.join(name, parts)
+            parts.box("riser", plastic, (0.20 + 0.015 * (z == 0), 0.36, 0.058), 0.012, 3, x=x, z=z)
+    return parts.join()
 
 
 @kind("treadmill", (0.83, 1.79, 1.33), front="-y")
@@ -79,22 +69,15 @@ def treadmill(name: str, rng: random.Random) -> bpy.types.Object:
     """A running machine; whoever runs faces its console at -Y."""
     dark = satin_plastic(f"{name}_shell", (0.045, 0.047, 0.052), rng)
     silver = gym.powder_coat(f"{name}_silver", (0.34, 0.35, 0.36), rng)
-    parts = [
-        mesh.set_material(mesh.move(mesh.bevel_box(f"{name}_deck", (0.76, 1.70, 0.13), 0.03), z=0.04), dark),
-        mesh.set_material(
-            mesh.move(mesh.bevel_box(f"{name}_belt", (0.50, 1.55, 0.012), 0.004), y=0.03, z=0.165),
-            gym.belt(f"{name}_belt", rng),
-        ),
-        mesh.set_material(
-            mesh.move(mesh.bevel_box(f"{name}_hood", (0.78, 0.36, 0.16), 0.06, 4), y=-0.76, z=0.09), silver
-        ),
-    ]
+    parts = Parts(name)
+    parts.box("deck", dark, (0.76, 1.70, 0.13), 0.03, z=0.04)
+    parts.box("belt", gym.belt(f"{name}_belt", rng), (0.50, 1.55, 0.012), 0.004, y=0.03, z=0.165)
+    parts.box("hood", silver, (0.78, 0.36, 0.16), 0.06, 4, y=-0.76, z=0.09)
     for side in (-1, 1):
-        rail = mesh.move(
-            mesh.bevel_box(f"{name}_rail", (0.10, 1.40, 0.02), 0.008), x=side * 0.31, y=0.08, z=0.168
-        )
-        post = mesh.tube(
-            f"{name}_post",
+        parts.box("rail", silver, (0.10, 1.40, 0.02), 0.008, x=side * 0.31, y=0.08, z=0.168)
+        parts.tube(
+            "post",
+            silver,
             [
                 (side * 0.37, -0.70, 0.14),
                 (side * 0.37, -0.66, 0.60),
@@ -105,15 +88,11 @@ def treadmill(name: str, rng: random.Random) -> bpy.types.Object:
             [(0.045, 0.03), (0.04, 0.028), (0.032, 0.026), (0.024, 0.022), (0.020, 0.020)],
             14,
         )
-        parts += [mesh.set_material(rail, silver), mesh.set_material(post, silver)]
-    console = mesh.bevel_box(f"{name}_console", (0.74, 0.10, 0.34), 0.03, 4)
     tilt = Matrix.Translation((0, -0.66, 1.05)) @ Matrix.Rotation(radians(24), 4, "X")
-    parts.append(mesh.set_material(mesh.transform(console, tilt), dark))
+    parts.box("console", dark, (0.74, 0.10, 0.34), 0.03, 4, within=tilt)
     screen = mesh.move(mesh.bevel_box(f"{name}_screen", (0.40, 0.006, 0.20), 0.002), y=0.051, z=0.09)
-    parts.append(
-        mesh.set_material(mesh.transform(screen, tilt), glow(f"{name}_screen", (0.10, 0.35, 0.55), 0.5))
-    )
-    return mesh.join(name, parts)
+    parts.add(screen, glow(f"{name}_screen", (0.10, 0.35, 0.55), 0.5), within=tilt)
+    return parts.join()
 
 
 @kind("wall_bars", (1.75, 0.161, 2.3), "hangs", front="-y")
@@ -122,24 +101,19 @@ def wall_bars(name: str, rng: random.Random, *, fields: int = 2) -> bpy.types.Ob
     beech = interior.wood(f"{name}_beech", (0.48, 0.30, 0.15), rng, grain_axis="Z")
     rung_wood = interior.wood(f"{name}_rungs", (0.52, 0.33, 0.17), rng, grain_axis="X")
     width, height = 0.86, 2.30
-    parts = []
+    parts = Parts(name)
     for k in range(fields + 1):
         x = width * (k - fields / 2)
-        parts.append(
-            mesh.set_material(
-                mesh.move(mesh.bevel_box(f"{name}_post", (0.035, 0.13, height), 0.006), x=x, y=-0.075), beech
-            )
-        )
+        parts.box("post", beech, (0.035, 0.13, height), 0.006, x=x, y=-0.075)
     for k in range(fields):
         x = width * (k + 0.5 - fields / 2)
         for i in range(15):
             z = 0.12 + 0.148 * i
             y = -0.10 if i < 14 else -0.15
-            rung = mesh.tube(
-                f"{name}_rung", [(x - width / 2, y, z), (x + width / 2, y, z)], [(0.021, 0.016)] * 2, 12
+            parts.tube(
+                "rung", rung_wood, [(x - width / 2, y, z), (x + width / 2, y, z)], [(0.021, 0.016)] * 2, 12
             )
-            parts.append(mesh.set_material(rung, rung_wood))
-    return mesh.join(name, parts)
+    return parts.join()
 
 
 @kind("rack", (1.31, 0.52, 0.995), front="-y")
@@ -147,45 +121,27 @@ def kettlebell_rack(name: str, rng: random.Random) -> bpy.types.Object:
     """Two sloping shelves: kettlebells below, medicine balls above."""
     coat = gym.powder_coat(f"{name}_frame", (0.05, 0.052, 0.056), rng)
     iron = gym.cast(f"{name}_iron", (0.035, 0.035, 0.038), rng)
-    parts = []
+    parts = Parts(name)
     for x in (-0.62, 0.62):
         for size, y, z in (((0.06, 0.06, 0.92), 0.0, 0.0), ((0.07, 0.52, 0.05), 0.0, 0.0)):
-            parts.append(
-                mesh.set_material(
-                    mesh.move(mesh.bevel_box(f"{name}_tube", size, 0.006), x=x, y=y - 0.25, z=z), coat
-                )
-            )
+            parts.box("tube", coat, size, 0.006, x=x, y=y - 0.25, z=z)
     for z in (0.28, 0.72):
         shelf = mesh.bevel_box(f"{name}_shelf", (1.30, 0.36, 0.03), 0.005)
-        parts.append(
-            mesh.set_material(
-                mesh.transform(
-                    shelf, Matrix.Translation((0, -0.26, z)) @ Matrix.Rotation(radians(7), 4, "X")
-                ),
-                coat,
-            )
-        )
+        parts.add(shelf, coat, within=Matrix.Translation((0, -0.26, z)) @ Matrix.Rotation(radians(7), 4, "X"))
     for k in range(5):
         x = -0.50 + 0.25 * k
         r = 0.075 + 0.008 * k
-        ball = mesh.ellipsoid(f"{name}_bell", (r, r, 0.95 * r), 24, 16, (x, -0.26, 0.31 + 0.93 * r))
         top = 0.31 + 1.75 * r
         loop = [
             (x + 0.055 * cos(a) * (1 + 0.15 * sin(a)), -0.26, top + 0.075 * sin(a))
             for a in (pi * i / 12 for i in range(13))
         ]
-        parts += [
-            mesh.set_material(ball, iron),
-            mesh.set_material(mesh.tube(f"{name}_loop", loop, 0.015, 12), iron),
-        ]
+        parts.ellipsoid("bell", iron, (r, r, 0.95 * r), 24, 16, (x, -0.26, 0.31 + 0.93 * r))
+        parts.tube("loop", iron, loop, 0.015, 12)
     for k, x in enumerate((-0.44, -0.15, 0.15, 0.44)):
         skin = gym.vinyl(f"{name}_ball_{k}", BALL_COLOURS[k], rng)
-        parts.append(
-            mesh.set_material(
-                mesh.ellipsoid(f"{name}_ball", (0.125, 0.125, 0.125), 28, 20, (x, -0.27, 0.87)), skin
-            )
-        )
-    return mesh.join(name, parts)
+        parts.ellipsoid("ball", skin, (0.125, 0.125, 0.125), 28, 20, (x, -0.27, 0.87))
+    return parts.join()
 
 
 @kind("stand", (2.04, 0.95, 2.12), colour=colours("plate"))
@@ -196,32 +152,23 @@ def barbell_stand(
     coat = gym.powder_coat(f"{name}_frame", (0.40, 0.06, 0.04), rng)
     steel = gym.knurled_steel(f"{name}_bar", rng)
     rubber = gym.cast(f"{name}_plates", plate, rng)
-    parts = []
+    parts = Parts(name)
     for x in (-0.55, 0.55):
         for size, y, z in (
             ((0.07, 0.07, 2.1), 0.0, 0.0),
             ((0.08, 0.95, 0.06), -0.2, 0.0),
             ((0.06, 0.12, 0.08), -0.08, 1.32),
         ):
-            parts.append(
-                mesh.set_material(
-                    mesh.move(mesh.bevel_box(f"{name}_tube", size, 0.006), x=x, y=y - 0.25, z=z), coat
-                )
-            )
-    parts.append(
-        mesh.set_material(
-            mesh.move(mesh.bevel_box(f"{name}_top", (1.17, 0.07, 0.07), 0.006), y=-0.25, z=2.05), coat
-        )
-    )
-    bar = mesh.tube(f"{name}_barbell", [(-1.02, -0.37, 1.42), (1.02, -0.37, 1.42)], 0.015, 14)
-    parts.append(mesh.set_material(bar, steel))
+            parts.box("tube", coat, size, 0.006, x=x, y=y - 0.25, z=z)
+    parts.box("top", coat, (1.17, 0.07, 0.07), 0.006, y=-0.25, z=2.05)
+    parts.tube("barbell", steel, [(-1.02, -0.37, 1.42), (1.02, -0.37, 1.42)], 0.015, 14)
     for side in (-1, 1):
         for k, (r, thick) in enumerate(((0.215, 0.055), (0.18, 0.045), (0.05, 0.03))):
             disc = mesh.rotate(mesh.cylinder(f"{name}_plate", r, thick, 44, 0.008), "Y", 90)
             x = (0.70, 0.757, 0.804)[k]
             mesh.move(disc, x=x if side > 0 else -x - thick, y=-0.37, z=1.42)
-            parts.append(mesh.set_material(disc, rubber if k < 2 else steel))
-    return mesh.join(name, parts)
+            parts.add(disc, rubber if k < 2 else steel)
+    return parts.join()
 
 
 @kind("punching_bag", (0.345, 0.345, 1.98), "swings", colour=colours("colour"))
@@ -231,23 +178,22 @@ def punching_bag(
     """A heavy bag on chains from the ceiling."""
     skin = gym.vinyl(f"{name}_skin", colour, rng)
     steel = principled(f"{name}_chain", (0.30, 0.30, 0.31), roughness=0.35, metallic=1.0)
-    bag = mesh.move(mesh.cylinder(f"{name}_bag", 0.17, 1.10, 40, 0.03), z=0.72)
-    parts = [mesh.set_material(bag, skin)]
+    parts = Parts(name)
+    parts.cylinder("bag", skin, 0.17, 1.10, 40, 0.03, z=0.72)
     band = principled(f"{name}_band", (0.66, 0.64, 0.60), roughness=0.5, variation=0.2)
     for z in (0.95, 1.58):
-        ring = mesh.lathe(
-            f"{name}_ring",
+        parts.lathe(
+            "ring",
+            band,
             [(0.1715, z), (0.1725, z + 0.01), (0.1725, z + 0.05), (0.1715, z + 0.06)],
             40,
             close_bottom=False,
         )
-        parts.append(mesh.set_material(ring, band))
     for k in range(4):
         a = pi / 4 + k * pi / 2
-        chain = mesh.tube(f"{name}_chain", [(0.15 * cos(a), 0.15 * sin(a), 1.81), (0, 0, 2.20)], 0.006, 8)
-        parts.append(mesh.set_material(chain, steel))
-    parts.append(mesh.set_material(mesh.tube(f"{name}_rope", [(0, 0, 2.2), (0, 0, hook_m)], 0.012, 8), steel))
-    return mesh.join(name, parts)
+        parts.tube("chain", steel, [(0.15 * cos(a), 0.15 * sin(a), 1.81), (0, 0, 2.20)], 0.006, 8)
+    parts.tube("rope", steel, [(0, 0, 2.2), (0, 0, hook_m)], 0.012, 8)
+    return parts.join()
 
 
 @kind("ball", (0.651, 0.651, 0.651), "rolls", "seat", colour=colours("colour"))
@@ -264,7 +210,7 @@ def exercise_ball(
 def rolled_mats(name: str, rng: random.Random) -> bpy.types.Object:
     """Rolled exercise mats that stand in a wire basket."""
     steel = principled(f"{name}_wire", (0.10, 0.10, 0.11), roughness=0.4, metallic=0.8)
-    parts = []
+    parts = Parts(name)
     for k, (x, y) in enumerate(((-0.10, 0.0), (0.07, 0.08), (0.06, -0.09))):
         points = [
             (x + r * cos(a), y + r * sin(a)) for r, a in ((0.016 + 0.0018 * i, 0.42 * i) for i in range(34))
@@ -275,20 +221,19 @@ def rolled_mats(name: str, rng: random.Random) -> bpy.types.Object:
             [(i, i + 1, len(points) + i + 1, len(points) + i) for i in range(len(points) - 1)],
         )
         foam = principled(f"{name}_foam_{k}", MAT_COLOURS[k], roughness=0.8, variation=0.2, bump=(240, 0.001))
-        parts.append(mesh.set_material(mesh.solidify(sheet, 0.006, offset=0.0), foam))
+        parts.add(mesh.solidify(sheet, 0.006, offset=0.0), foam)
     for z in (0.03, 0.20, 0.36):
-        ring = mesh.move(mesh.torus(f"{name}_ring", 0.20, 0.005, 36, 8), z=z)
-        parts.append(mesh.set_material(ring, steel))
+        parts.torus("ring", steel, 0.20, 0.005, 36, 8, z=z)
     for k in range(10):
         a = 2 * pi * k / 10
-        wire = mesh.tube(
-            f"{name}_wire",
+        parts.tube(
+            "wire",
+            steel,
             [(0.20 * cos(a), 0.20 * sin(a), 0.0), (0.20 * cos(a), 0.20 * sin(a), 0.37)],
             0.0035,
             6,
         )
-        parts.append(mesh.set_material(wire, steel))
-    return mesh.join(name, parts)
+    return parts.join()
 
 
 @kind("mat", (1.5, 1.1, 0.012), "surface", colour=colours("colour"))
@@ -310,8 +255,11 @@ def floor_mat(
 @kind("bottle", (0.072, 0.072, 0.233), "graspable", "container", colour=colours("colour"))
 def drink_bottle(name: str, rng: random.Random, *, colour: Colour = (0.10, 0.30, 0.50)) -> bpy.types.Object:
     """A sports bottle."""
-    body = mesh.lathe(
-        f"{name}_body",
+    black = satin_plastic(f"{name}_cap", (0.03, 0.03, 0.03), rng)
+    parts = Parts(name)
+    parts.lathe(
+        "body",
+        satin_plastic(f"{name}_plastic", colour, rng),
         [
             (0.032, 0),
             (0.036, 0.006),
@@ -324,15 +272,8 @@ def drink_bottle(name: str, rng: random.Random, *, colour: Colour = (0.10, 0.30,
         28,
         close_top=True,
     )
-    cap = mesh.move(mesh.cylinder(f"{name}_cap", 0.020, 0.035, 20, 0.004), z=0.198)
-    black = satin_plastic(f"{name}_cap", (0.03, 0.03, 0.03), rng)
-    return mesh.join(
-        name,
-        [
-            mesh.set_material(body, satin_plastic(f"{name}_plastic", colour, rng)),
-            mesh.set_material(cap, black),
-        ],
-    )
+    parts.cylinder("cap", black, 0.020, 0.035, 20, 0.004, z=0.198)
+    return parts.join()
 
 
 @kind("towel", (0.32, 0.085, 0.407), "graspable", colour=colours("colour"))

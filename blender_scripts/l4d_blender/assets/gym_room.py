@@ -11,6 +11,7 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import gym, interior
 from l4d_blender.assets.materials.products import window_view
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 
 WALL_HEIGHT_M = 3.4
@@ -35,7 +36,8 @@ def gym_room(
         [(0, 1, 2, 3)],
         smooth=False,
     )
-    parts = [mesh.set_material(floor, gym.rubber_floor(f"{name}_rubber", rng))]
+    parts = Parts(name)
+    parts.add(floor, gym.rubber_floor(f"{name}_rubber", rng))
     bricks = gym.brickwork(f"{name}_bricks", brick, rng)
     dado = interior.plaster(f"{name}_dado", paint, rng)
     for k, (a, b) in enumerate(
@@ -49,7 +51,7 @@ def gym_room(
                 smooth=False,
             )
             shift = ((0, -inset), (inset, 0), (-inset, 0))[k]
-            parts.append(mesh.set_material(mesh.move(sheet, x=shift[0], y=shift[1]), material))
+            parts.add(sheet, material, x=shift[0], y=shift[1])
     return parts
 
 
@@ -73,18 +75,13 @@ def window(
         [(0, 1, 2, 3)],
         smooth=False,
     )
-    parts = [
-        mesh.set_material(
-            view, window_view(f"{name}_view", rng, horizon_m=sill_m + 0.38 * height_m, strength=strength)
-        )
-    ]
+    parts = Parts(name)
+    parts.add(view, window_view(f"{name}_view", rng, horizon_m=sill_m + 0.38 * height_m, strength=strength))
     iron = gym.powder_coat(f"{name}_iron", (0.035, 0.045, 0.045), rng)
     stone = interior.plaster(f"{name}_stone", (0.44, 0.42, 0.38), rng)
 
     def bar(size: tuple[float, float, float], x: float, z: float, y: float = -0.015) -> None:
-        parts.append(
-            mesh.set_material(mesh.move(mesh.bevel_box(f"{name}_bar", size, 0.004, 2), x=x, y=y, z=z), iron)
-        )
+        parts.box("bar", iron, size, 0.004, 2, x=x, y=y, z=z)
 
     for i in range(columns + 1):
         wide = 0.05 if i in (0, columns) else 0.026
@@ -92,12 +89,9 @@ def window(
     for j in range(rows + 1):
         tall = 0.05 if j in (0, rows) else 0.026
         bar((width_m, 0.045, tall), 0.0, height_m * j / rows - tall / 2)
-    sill = mesh.move(mesh.bevel_box(f"{name}_sill", (width_m + 0.16, 0.20, 0.07), 0.01), y=-0.09, z=-0.095)
-    head = mesh.move(
-        mesh.bevel_box(f"{name}_head", (width_m + 0.30, 0.06, 0.22), 0.008), y=-0.02, z=height_m + 0.025
-    )
-    parts += [mesh.set_material(sill, stone), mesh.set_material(head, stone)]
-    return mesh.move(mesh.join(name, parts), y=-0.014, z=sill_m)
+    parts.box("sill", stone, (width_m + 0.16, 0.20, 0.07), 0.01, y=-0.09, z=-0.095)
+    parts.box("head", stone, (width_m + 0.30, 0.06, 0.22), 0.008, y=-0.02, z=height_m + 0.025)
+    return mesh.move(parts.join(), y=-0.014, z=sill_m)
 
 
 @kind("pipes", (6.5, 0.37, 0.37), "hangs")

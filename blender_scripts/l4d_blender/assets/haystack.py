@@ -36,8 +36,7 @@ def haystack(
 
     mesh.displace(mass, lump)
     mesh.set_material(mass, outdoors.packed_straw(f"{name}_mass"))
-    hair = _stalks(f"{name}_stalks", mass, rng, stalks)
-    mesh.set_material(hair, outdoors.straw(f"{name}_stalks"))
+    hair = mesh.set_material(_stalks(f"{name}_stalks", mass, rng, stalks), outdoors.straw(f"{name}_stalks"))
     lean = Vector((rng.uniform(-0.05, 0.05), rng.uniform(-0.05, 0.05), 0.0))
     pole = mesh.tube(
         f"{name}_pole",
@@ -88,8 +87,7 @@ def hay_bale(
         body, lambda p, _: 0.020 * noise.noise(p * 9.0 + shift) + 0.012 * noise.noise(p * 25.0 + shift)
     )
     mesh.set_material(body, outdoors.packed_straw(f"{name}_body", (0.46, 0.33, 0.12)))
-    hair = _stalks(f"{name}_stalks", body, rng, 260)
-    mesh.set_material(hair, outdoors.straw(f"{name}_stalks"))
+    hair = mesh.set_material(_stalks(f"{name}_stalks", body, rng, 260), outdoors.straw(f"{name}_stalks"))
     twine = []
     sx, sy, sz = size_xyz
     for x in (-0.25 * sx, 0.25 * sx):

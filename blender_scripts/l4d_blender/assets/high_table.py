@@ -9,8 +9,8 @@ import random
 
 import bpy
 
-from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 from l4d_blender.colour import Colour
 
@@ -30,20 +30,17 @@ def high_table(
 ) -> bpy.types.Object:
     """A table of (width, depth) whose top is at `HEIGHT_M`."""
     width, depth = size_m
-    board = mesh.move(mesh.bevel_box(f"{name}_board", (width, depth, TOP_M), 0.006), z=HEIGHT_M - TOP_M)
     oak = products.wood(f"{name}_oak", light, dark, rng, grain_axis="X", stave_m=0.085, stave_length_m=0.8)
-    parts = [mesh.set_material(board, oak)]
+    parts = Parts(name)
+    parts.box("board", oak, (width, depth, TOP_M), 0.006, z=HEIGHT_M - TOP_M)
     frame = products.lacquer(f"{name}_frame", steel, rng)
-    bars = []
+    bars = Parts(name)
     for x in (-0.5 * width + 0.12, 0.5 * width - 0.12):
         for y in (-0.5 * depth + 0.05, 0.5 * depth - 0.05):
-            post = mesh.bevel_box(f"{name}_post", (0.045, 0.045, HEIGHT_M - TOP_M), 0.005)
-            bars.append(mesh.move(post, x=x, y=y))
+            bars.box("post", frame, (0.045, 0.045, HEIGHT_M - TOP_M), 0.005, x=x, y=y)
         for z in (0.0, HEIGHT_M - TOP_M - 0.045):
-            bars.append(
-                mesh.move(mesh.bevel_box(f"{name}_sledge", (0.045, depth - 0.10, 0.045), 0.005), x=x, z=z)
-            )
+            bars.box("sledge", frame, (0.045, depth - 0.10, 0.045), 0.005, x=x, z=z)
     for y, z in ((0.0, HEIGHT_M - TOP_M - 0.05), (0.5 * depth - 0.05, 0.24)):
-        bars.append(mesh.move(mesh.bevel_box(f"{name}_rail", (width - 0.24, 0.035, 0.035), 0.005), y=y, z=z))
-    parts += [mesh.set_material(bar, frame) for bar in bars]
-    return mesh.join(name, parts)
+        bars.box("rail", frame, (width - 0.24, 0.035, 0.035), 0.005, y=y, z=z)
+    parts += bars
+    return parts.join()

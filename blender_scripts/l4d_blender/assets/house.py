@@ -17,6 +17,7 @@ from ..colour import Colour
 from . import mesh
 from .materials import outdoors
 from .materials.base import Nodes, principled
+from .parts import Parts, placed
 
 WALL_COLOURS: tuple[Colour, ...] = (
     (0.62, 0.55, 0.43),
@@ -82,7 +83,7 @@ def _set_in(name: str, piece: tuple, u: float, depth: float, face: str, side: in
     part = mesh.box(name, size)
     mesh.move(part, x=u + (shift[0] if shift else 0.0), y=-depth / 2 - out, z=z)
     turn = (0.0 if side < 0 else math.pi) + (math.pi / 2 if face == "side" else 0.0)
-    return mesh.set_material(mesh.transform(part, Matrix.Rotation(turn, 4, "Z")), material)
+    return placed(part, material, within=Matrix.Rotation(turn, 4, "Z"))
 
 
 def _walls(name: str, sx: float, sy: float, eaves: float, ridge: float, material: bpy.types.Material):
@@ -98,7 +99,7 @@ def _roof(name: str, rng: random.Random, sx: float, sy: float, eaves: float, rid
     trim = principled(f"{name}_trim", (0.30, 0.28, 0.25), roughness=0.7)
     slope = math.atan2(ridge - eaves, sy / 2)
     long = (sy / 2 + 0.45) / math.cos(slope)
-    rows, parts = 14, []
+    rows, parts = 14, Parts(name)
     for s in (-1, 1):
         for k in range(rows):
             course = mesh.bevel_box(f"{name}_course", (sx + 0.7, long / rows * 1.25, 0.05), 0.012, 1)
@@ -110,16 +111,14 @@ def _roof(name: str, rng: random.Random, sx: float, sy: float, eaves: float, rid
                 @ Matrix.Translation((0.0, -down * math.cos(slope), ridge + 0.10 - down * math.sin(slope)))
                 @ Matrix.Rotation(slope - 0.02, 4, "X"),
             )
-            parts.append(mesh.set_material(course, tiles))
+            parts.add(course, tiles)
         gutter = [
             (-sx / 2 - 0.35, s * (sy / 2 + 0.47), eaves - 0.16),
             (sx / 2 + 0.35, s * (sy / 2 + 0.47), eaves - 0.16),
         ]
-        parts.append(mesh.set_material(mesh.tube(f"{name}_gutter", gutter, 0.07, 8), trim))
-    cap = mesh.tube(
-        f"{name}_cap", [(-sx / 2 - 0.36, 0, ridge + 0.11), (sx / 2 + 0.36, 0, ridge + 0.11)], 0.13, 10
-    )
-    return [*parts, mesh.set_material(cap, tiles)]
+        parts.tube("gutter", trim, gutter, 0.07, 8)
+    parts.tube("cap", tiles, [(-sx / 2 - 0.36, 0, ridge + 0.11), (sx / 2 + 0.36, 0, ridge + 0.11)], 0.13, 10)
+    return parts
 
 
 def _render(name: str, colour: Colour) -> bpy.types.Material:

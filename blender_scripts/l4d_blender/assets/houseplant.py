@@ -11,6 +11,7 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import Range, kind
 
 
@@ -48,10 +49,9 @@ def houseplant(
         (0.138, 0.24),
         (0.0, 0.235),
     ]
-    parts = [
-        mesh.set_material(mesh.lathe(f"{name}_pot", profile, 40, close_bottom=False), glaze),
-        mesh.set_material(mesh.move(mesh.cylinder(f"{name}_soil", 0.140, 0.01, 32), z=0.236), soil),
-    ]
+    parts = Parts(name)
+    parts.lathe("pot", glaze, profile, 40, close_bottom=False)
+    parts.cylinder("soil", soil, 0.140, 0.01, 32, z=0.236)
     for k in range(stems):
         azimuth = 2 * math.pi * (k * 0.618) + rng.uniform(-0.2, 0.2)
         out = Vector((math.cos(azimuth), math.sin(azimuth), 0))
@@ -61,9 +61,7 @@ def houseplant(
             root + out * (reach * t**1.8) + Vector((0, 0, rise * (t - 0.15 * t * t)))
             for t in (0.0, 0.25, 0.5, 0.75, 1.0)
         ]
-        parts.append(
-            mesh.set_material(mesh.tube(f"{name}_stem", line, [0.007, 0.006, 0.005, 0.004, 0.003], 6), stalk)
-        )
+        parts.tube("stem", stalk, line, [0.007, 0.006, 0.005, 0.004, 0.003], 6)
         for at, tangent, size in ((line[2], out, 0.75), (line[3], out, 0.9), (line[4], out, 1.0)):
             for turn in (rng.uniform(-0.9, -0.2), rng.uniform(0.2, 0.9)):
                 leaf = _leaf(f"{name}_leaf", rng, size * rng.uniform(0.85, 1.15))
@@ -74,8 +72,8 @@ def houseplant(
                     @ Matrix.Rotation(-rng.uniform(0.1, 0.9), 4, "Y")
                     @ Matrix.Rotation(0.6 * turn, 4, "X")
                 )
-                parts.append(mesh.set_material(mesh.transform(leaf, place), rng.choice(greens)))
-    return mesh.join(name, parts)
+                parts.add(leaf, rng.choice(greens), within=place)
+    return parts.join()
 
 
 def _leaf(name: str, rng: random.Random, size: float) -> bpy.types.Object:

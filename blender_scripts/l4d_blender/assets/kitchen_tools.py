@@ -11,6 +11,7 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.assets.parts import Parts, placed
 from l4d_blender.catalogue import colours, kind
 
 SPOON_LENGTH_M = 0.35
@@ -43,15 +44,10 @@ def hanging_rail(name: str, rng: random.Random, *, width_m: float = 1.0) -> bpy.
     steel = principled(f"{name}_steel", (0.50, 0.50, 0.51), roughness=0.3, metallic=1.0, variation=0.2)
     black = principled(f"{name}_grips", (0.025, 0.023, 0.022), roughness=0.5, variation=0.2)
     wood = interior.wood(f"{name}_wood", (0.36, 0.20, 0.09), rng, grain_axis="Z")
-    parts = [
-        mesh.set_material(
-            mesh.tube(f"{name}_bar", [(-width_m / 2, -0.05, 0), (width_m / 2, -0.05, 0)], 0.008, 12), steel
-        )
-    ]
+    parts = Parts(name)
+    parts.tube("bar", steel, [(-width_m / 2, -0.05, 0), (width_m / 2, -0.05, 0)], 0.008, 12)
     for x in (-0.44 * width_m, 0.44 * width_m):
-        parts.append(
-            mesh.set_material(mesh.tube(f"{name}_foot", [(x, 0, 0), (x, -0.05, 0)], 0.007, 10), steel)
-        )
+        parts.tube("foot", steel, [(x, 0, 0), (x, -0.05, 0)], 0.007, 10)
     count = max(4, int(width_m / 0.13))
     makers = (_ladle, _turner, _whisk, _skimmer, _sieve)
     order = rng.sample(range(len(makers)), len(makers))
@@ -65,15 +61,13 @@ def hanging_rail(name: str, rng: random.Random, *, width_m: float = 1.0) -> bpy.
             @ Matrix.Rotation(rng.uniform(-0.05, 0.05), 4, "Y")
             @ Matrix.Rotation(rng.uniform(-0.4, 0.4), 4, "Z"),
         )
-        hook = mesh.set_material(
-            mesh.transform(
-                mesh.torus(f"{name}_hook", 0.013, 0.0025, 16, 6),
-                Matrix.Translation((x, -0.05, -0.004)) @ Matrix.Rotation(pi / 2, 4, "Y"),
-            ),
+        hook = placed(
+            mesh.torus(f"{name}_hook", 0.013, 0.0025, 16, 6),
             steel,
+            within=Matrix.Translation((x, -0.05, -0.004)) @ Matrix.Rotation(pi / 2, 4, "Y"),
         )
         parts += [tool, hook]
-    return mesh.join(name, parts)
+    return parts.join()
 
 
 @kind("crock", (0.147, 0.16, 0.364), "container", colour=colours("colour"))
@@ -141,7 +135,7 @@ def _ladle(name: str, steel: bpy.types.Material, grip: bpy.types.Material) -> bp
         ],
         28,
     )
-    bowl = mesh.set_material(mesh.move(bowl, y=-0.04, z=-0.315), steel)
+    bowl = placed(bowl, steel, y=-0.04, z=-0.315)
     return mesh.join(name, [*_stem(name, 0.30, steel, grip), bowl])
 
 
@@ -167,15 +161,12 @@ def _sieve(name: str, steel: bpy.types.Material, grip: bpy.types.Material) -> bp
     ring = mesh.rotate(mesh.torus(f"{name}_ring", 0.062, 0.004, 32, 8), "X", 90)
     mesh_bowl = mesh.rotate(mesh.ellipsoid(f"{name}_net", (0.060, 0.060, 0.030), 24, 12), "X", 90)
     net = principled(f"{name}_net", (0.30, 0.30, 0.31), roughness=0.5, metallic=0.7, bump=(900, 0.001))
-    parts = [
-        mesh.set_material(mesh.move(ring, z=-0.23), steel),
-        mesh.set_material(mesh.move(mesh_bowl, z=-0.23), net),
-    ]
+    parts = [placed(ring, steel, z=-0.23), placed(mesh_bowl, net, z=-0.23)]
     return mesh.join(name, [*_stem(name, 0.17, steel, grip), *parts])
 
 
 def _whisk(name: str, steel: bpy.types.Material, grip: bpy.types.Material) -> bpy.types.Object:
-    wires = []
+    wires = Parts(name)
     for k in range(5):
         a = pi * k / 5
         loop = [
@@ -187,5 +178,5 @@ def _whisk(name: str, steel: bpy.types.Material, grip: bpy.types.Material) -> bp
             for s in (1, -1)
             for t in ([pi * i / 8 for i in range(9)] if s > 0 else [pi * (8 - i) / 8 for i in range(1, 9)])
         ]
-        wires.append(mesh.set_material(mesh.tube(f"{name}_wire", loop, 0.0018, 6), steel))
+        wires.tube("wire", steel, loop, 0.0018, 6)
     return mesh.join(name, [*_stem(name, 0.14, steel, grip), *wires])

@@ -16,6 +16,7 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, kitchen
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.assets.parts import Parts, placed
 from l4d_blender.catalogue import colours, kind
 
 TOP_M = 0.90
@@ -62,11 +63,7 @@ def base_run(
         ]
     for low, high, near, far in slabs:
         slab = mesh.bevel_box(f"{name}_slab", (high - low, far - near, _SLAB_M), 0.004)
-        parts.append(
-            mesh.set_material(
-                mesh.move(slab, x=(low + high) / 2, y=(near + far) / 2, z=TOP_M - _SLAB_M), stone
-            )
-        )
+        parts.append(placed(slab, stone, x=(low + high) / 2, y=(near + far) / 2, z=TOP_M - _SLAB_M))
     return mesh.join(name, parts)
 
 
@@ -75,7 +72,7 @@ def sink(name: str, rng: random.Random) -> bpy.types.Object:
     """A white ceramic basin with a bridge tap; origin at the worktop's height, back on y = 0."""
     white = interior.ceramic(f"{name}_ceramic", (0.74, 0.72, 0.67), rng)
     chrome = principled(f"{name}_chrome", (0.62, 0.62, 0.63), roughness=0.12, metallic=1.0)
-    parts = []
+    parts = Parts(name)
     for size, x, y in (
         ((0.56, 0.025, 0.22), 0.0, -0.115),
         ((0.56, 0.030, 0.24), 0.0, -DEPTH_M - 0.005),
@@ -83,20 +80,16 @@ def sink(name: str, rng: random.Random) -> bpy.types.Object:
         ((0.025, 0.50, 0.22), 0.268, -0.365),
         ((0.54, 0.50, 0.02), 0.0, -0.365),
     ):
-        wall = mesh.bevel_box(f"{name}_wall", size, 0.008)
-        parts.append(mesh.set_material(mesh.move(wall, x=x, y=y, z=-0.215), white))
+        parts.box("wall", white, size, 0.008, x=x, y=y, z=-0.215)
     arc = [(0, -0.09, 0), (0, -0.09, 0.18)] + [
         (0, -0.09 - 0.09 * (1 - cos(a)), 0.18 + 0.09 * sin(a)) for a in (pi * k / 10 for k in range(1, 11))
     ]
-    parts.append(mesh.set_material(mesh.tube(f"{name}_spout", [*arc, (0, -0.27, 0.14)], 0.012, 14), chrome))
+    parts.tube("spout", chrome, [*arc, (0, -0.27, 0.14)], 0.012, 14)
     for side in (-1, 1):
-        stem = mesh.tube(f"{name}_valve", [(side * 0.09, -0.09, 0), (side * 0.09, -0.09, 0.07)], 0.013, 12)
-        lever = mesh.tube(
-            f"{name}_lever", [(side * 0.09, -0.09, 0.07), (side * 0.145, -0.105, 0.085)], 0.007, 10
-        )
-        parts += [mesh.set_material(stem, chrome), mesh.set_material(lever, chrome)]
-    bridge = mesh.tube(f"{name}_bridge", [(-0.09, -0.09, 0.04), (0.09, -0.09, 0.04)], 0.010, 12)
-    return mesh.join(name, [*parts, mesh.set_material(bridge, chrome)])
+        parts.tube("valve", chrome, [(side * 0.09, -0.09, 0), (side * 0.09, -0.09, 0.07)], 0.013, 12)
+        parts.tube("lever", chrome, [(side * 0.09, -0.09, 0.07), (side * 0.145, -0.105, 0.085)], 0.007, 10)
+    parts.tube("bridge", chrome, [(-0.09, -0.09, 0.04), (0.09, -0.09, 0.04)], 0.010, 12)
+    return parts.join()
 
 
 @kind("cupboard", (0.85, 0.398, 0.75), "hangs", front="-y")
@@ -107,20 +100,15 @@ def wall_cupboard(
     paint = kitchen.painted_front(f"{name}_paint", finish.front, rng)
     brass = principled(f"{name}_pulls", (0.42, 0.30, 0.13), roughness=0.3, metallic=1.0)
     height, depth = 0.70, 0.34
-    box = mesh.move(mesh.bevel_box(f"{name}_box", (width_m, depth - 0.02, height), 0.003), y=-depth / 2)
-    crown = mesh.move(
-        mesh.bevel_box(f"{name}_crown", (width_m + 0.05, depth + 0.03, 0.05), 0.015), y=-depth / 2, z=height
-    )
-    parts = [mesh.set_material(box, paint), mesh.set_material(crown, paint)]
+    parts = Parts(name)
+    parts.box("box", paint, (width_m, depth - 0.02, height), 0.003, y=-depth / 2)
+    parts.box("crown", paint, (width_m + 0.05, depth + 0.03, 0.05), 0.015, y=-depth / 2, z=height)
     for side in (-1, 1):
         parts += _door(
             name, side * width_m / 4, -depth + 0.01, 0.01, width_m / 2 - 0.008, height - 0.02, paint
         )
-        knob = mesh.ellipsoid(
-            f"{name}_knob", (0.013, 0.013, 0.013), 14, 10, (side * 0.04, -depth - 0.03, 0.10)
-        )
-        parts.append(mesh.set_material(knob, brass))
-    return mesh.join(name, parts)
+        parts.ellipsoid("knob", brass, (0.013, 0.013, 0.013), 14, 10, (side * 0.04, -depth - 0.03, 0.10))
+    return parts.join()
 
 
 @kind("shelf", (0.8, 0.22, 0.171), "hangs", "surface", front="-y")
@@ -128,17 +116,17 @@ def shelf(name: str, rng: random.Random, *, width_m: float = 0.8) -> bpy.types.O
     """An oak board on two iron brackets; origin at the middle of its top's back edge."""
     wood = interior.wood(f"{name}_oak", (0.40, 0.25, 0.12), rng, grain_axis="X")
     iron = kitchen.cast_iron(f"{name}_iron")
-    board = mesh.move(mesh.bevel_box(f"{name}_board", (width_m, 0.22, 0.032), 0.004), y=-0.11, z=-0.032)
-    parts = [mesh.set_material(board, wood)]
+    parts = Parts(name)
+    parts.box("board", wood, (width_m, 0.22, 0.032), 0.004, y=-0.11, z=-0.032)
     for x in (-0.36 * width_m, 0.36 * width_m):
-        brace = mesh.tube(
-            f"{name}_brace",
+        parts.tube(
+            "brace",
+            iron,
             [(x, -0.008, -0.17), (x, -0.02, -0.10), (x, -0.10, -0.04), (x, -0.19, -0.036)],
             0.008,
             10,
         )
-        parts.append(mesh.set_material(brace, iron))
-    return mesh.join(name, parts)
+    return parts.join()
 
 
 @kind("island", (2.35, 0.7, 0.9), "surface")
@@ -153,7 +141,7 @@ def island(
     parts = _carcass(name, width_m - 0.10, depth, paint)
     parts += _fronts(name, rng, width_m - 0.10, -depth / 2, paint, brass)
     slab = mesh.bevel_box(f"{name}_slab", (width_m, ISLAND_DEPTH_M, _SLAB_M), 0.005)
-    parts.append(mesh.set_material(mesh.move(slab, z=TOP_M - _SLAB_M), stone))
+    parts.append(placed(slab, stone, z=TOP_M - _SLAB_M))
     return mesh.join(name, parts)
 
 
@@ -170,41 +158,31 @@ def hob(
     iron = kitchen.cast_iron(f"{name}_iron")
     flame = principled(f"{name}_cap", (0.05, 0.05, 0.055), roughness=0.4)
     grate_z = HOB_TOP_M - TOP_M
-    parts = [mesh.set_material(mesh.bevel_box(f"{name}_tray", (*size_m, 0.008), 0.003), steel)]
+    parts = Parts(name)
+    parts.box("tray", steel, (*size_m, 0.008), 0.003)
     for x, y in burners:
-        ring = mesh.move(mesh.cylinder(f"{name}_ring", 0.046, 0.012, 32, 0.003), x=x, y=y, z=0.006)
-        cap = mesh.move(mesh.cylinder(f"{name}_cap", 0.034, 0.006, 32, 0.002), x=x, y=y, z=0.017)
-        parts += [mesh.set_material(ring, steel), mesh.set_material(cap, flame)]
+        parts.cylinder("ring", steel, 0.046, 0.012, 32, 0.003, x=x, y=y, z=0.006)
+        parts.cylinder("cap", flame, 0.034, 0.006, 32, 0.002, x=x, y=y, z=0.017)
         for k in range(4):
             a = pi / 4 + k * pi / 2
-            bar = mesh.bevel_box(f"{name}_bar", (0.115, 0.009, 0.009), 0.002)
             turned = Matrix.Translation(
                 (x + 0.082 * cos(a), y + 0.082 * sin(a), grate_z - 0.009)
             ) @ Matrix.Rotation(a, 4, "Z")
-            parts.append(mesh.set_material(mesh.transform(bar, turned), iron))
+            parts.box("bar", iron, (0.115, 0.009, 0.009), 0.002, within=turned)
         for size, dx, dy in (
             ((0.222, 0.009, 0.009), 0, 0.1065),
             ((0.222, 0.009, 0.009), 0, -0.1065),
             ((0.009, 0.222, 0.009), 0.1065, 0),
             ((0.009, 0.222, 0.009), -0.1065, 0),
         ):
-            rail = mesh.move(
-                mesh.bevel_box(f"{name}_rail", size, 0.002), x=x + dx, y=y + dy, z=grate_z - 0.012
-            )
-            parts.append(mesh.set_material(rail, iron))
+            parts.box("rail", iron, size, 0.002, x=x + dx, y=y + dy, z=grate_z - 0.012)
         for dx in (-0.1065, 0.1065):
             for dy in (-0.1065, 0.1065):
-                foot = mesh.move(
-                    mesh.cylinder(f"{name}_foot", 0.006, grate_z - 0.006, 10), x=x + dx, y=y + dy, z=0.004
-                )
-                parts.append(mesh.set_material(foot, iron))
+                parts.cylinder("foot", iron, 0.006, grate_z - 0.006, 10, x=x + dx, y=y + dy, z=0.004)
     for k in range(len(burners)):
         x = size_m[0] * ((k + 0.5) / len(burners) - 0.5) * 0.6
-        knob = mesh.move(
-            mesh.cylinder(f"{name}_knob", 0.017, 0.022, 24, 0.004), x=x, y=size_m[1] / 2 - 0.028, z=0.006
-        )
-        parts.append(mesh.set_material(knob, iron))
-    return mesh.join(name, parts)
+        parts.cylinder("knob", iron, 0.017, 0.022, 24, 0.004, x=x, y=size_m[1] / 2 - 0.028, z=0.006)
+    return parts.join()
 
 
 @kind("fridge", (0.66, 0.695, 1.75), front="-y", colour=colours("colour"))
@@ -216,24 +194,15 @@ def fridge(
     chrome = principled(f"{name}_chrome", (0.62, 0.62, 0.63), roughness=0.15, metallic=1.0)
     dark = principled(f"{name}_gap", (0.03, 0.03, 0.03), roughness=0.8)
     width, depth = 0.66, 0.64
-    parts = [
-        mesh.set_material(
-            mesh.move(
-                mesh.bevel_box(f"{name}_body", (width, depth - 0.07, 1.75), 0.04, 5), y=-(depth - 0.07) / 2
-            ),
-            paint,
-        ),
-        mesh.set_material(
-            mesh.move(mesh.box(f"{name}_seal", (width - 0.05, 0.02, 1.64)), y=-depth + 0.065, z=0.06), dark
-        ),
-    ]
+    parts = Parts(name)
+    parts.box("body", paint, (width, depth - 0.07, 1.75), 0.04, 5, y=-(depth - 0.07) / 2)
+    parts.box("seal", dark, (width - 0.05, 0.02, 1.64), y=-depth + 0.065, z=0.06)
     for low, high in ((0.07, 1.18), (1.195, 1.72)):
-        door = mesh.bevel_box(f"{name}_door", (width, 0.065, high - low), 0.028, 5)
-        parts.append(mesh.set_material(mesh.move(door, y=-depth + 0.03, z=low), paint))
+        parts.box("door", paint, (width, 0.065, high - low), 0.028, 5, y=-depth + 0.03, z=low)
     for low, high in ((0.72, 1.10), (1.26, 1.50)):
         x, y = -width / 2 + 0.07, -depth - 0.045
         line = [(x, y + 0.04, low), (x, y, low + 0.03), (x, y, high - 0.03), (x, y + 0.04, high)]
-        parts.append(mesh.set_material(mesh.tube(f"{name}_handle", line, 0.010, 12), chrome))
+        parts.tube("handle", chrome, line, 0.010, 12)
     for k in range(6):
         note = principled(
             f"{name}_note_{k}",
@@ -250,12 +219,8 @@ def fridge(
                 rng.uniform(1.24, 1.52) if k < 4 else rng.uniform(0.85, 1.0),
             )
         )
-        parts.append(
-            mesh.set_material(
-                mesh.transform(sheet, place @ Matrix.Rotation(rng.uniform(-0.12, 0.12), 4, "Y")), note
-            )
-        )
-    return mesh.join(name, parts)
+        parts.add(sheet, note, within=place @ Matrix.Rotation(rng.uniform(-0.12, 0.12), 4, "Y"))
+    return parts.join()
 
 
 def _carcass(name: str, width: float, depth: float, paint: bpy.types.Material) -> list[bpy.types.Object]:
@@ -275,14 +240,15 @@ def _fronts(
 ) -> list[bpy.types.Object]:
     """Doors, and stacks of drawers between them."""
     count = max(2, round(width / 0.52))
-    parts = []
+    parts = Parts(name)
     for k in range(count):
         x, wide = width * ((k + 0.5) / count - 0.5), width / count - 0.012
         if k % 3 == 1:
             for low, high in ((0.115, 0.385), (0.397, 0.637), (0.649, 0.850)):
                 parts += _door(name, x, y, low, wide, high - low, paint)
-                pull = mesh.tube(
-                    f"{name}_pull",
+                parts.tube(
+                    "pull",
+                    brass,
                     [
                         (x - 0.06, y - 0.02, high - 0.05),
                         (x - 0.05, y - 0.045, high - 0.05),
@@ -292,12 +258,10 @@ def _fronts(
                     0.006,
                     8,
                 )
-                parts.append(mesh.set_material(pull, brass))
         else:
             parts += _door(name, x, y, 0.115, wide, 0.735, paint)
             side = rng.choice((-1, 1)) * (wide / 2 - 0.05)
-            knob = mesh.ellipsoid(f"{name}_knob", (0.014, 0.014, 0.014), 14, 10, (x + side, y - 0.04, 0.76))
-            parts.append(mesh.set_material(knob, brass))
+            parts.ellipsoid("knob", brass, (0.014, 0.014, 0.014), 14, 10, (x + side, y - 0.04, 0.76))
     return parts
 
 
@@ -311,8 +275,6 @@ def _door(
         pieces.append(((rail, 0.012, height), side * (width - rail) / 2, 0.0, -0.018))
     pieces += [((width - 2 * rail, 0.012, rail), 0.0, z_rail, -0.018) for z_rail in (0.0, height - rail)]
     return [
-        mesh.set_material(
-            mesh.move(mesh.bevel_box(f"{name}_door", size, 0.0025, 1), x=x + dx, y=y + dy, z=z + dz), paint
-        )
+        placed(mesh.bevel_box(f"{name}_door", size, 0.0025, 1), paint, x=x + dx, y=y + dy, z=z + dz)
         for size, dx, dz, dy in pieces
     ]

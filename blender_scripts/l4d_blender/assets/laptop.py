@@ -14,6 +14,7 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import Choice, kind
 from l4d_blender.colour import Colour
 
@@ -106,29 +107,28 @@ def laptop(name: str, rng: random.Random, *, model: Model = COMPACT_SILVER, page
 def _base(name: str, rng: random.Random, model: Model, metal: bpy.types.Material) -> bpy.types.Object:
     width, depth = model.size_m
     rubber = products.rubber(f"{name}_feet", (0.02, 0.02, 0.02), rng)
-    body = mesh.move(mesh.bevel_box(f"{name}_body", (width, depth, BASE_M - 0.0015), 0.004), z=0.0015)
-    parts = [mesh.set_material(body, metal)]
+    parts = Parts(name)
+    parts.box("body", metal, (width, depth, BASE_M - 0.0015), 0.004, z=0.0015)
     for x in (-0.42, 0.42):
         for y in (-0.40, 0.40):
-            foot = mesh.cylinder(f"{name}_foot", 0.007, 0.0025, 16)
-            parts.append(mesh.set_material(mesh.move(foot, x=x * width, y=y * depth), rubber))
+            parts.cylinder("foot", rubber, 0.007, 0.0025, 16, x=x * width, y=y * depth)
 
     keys_y = 0.17 * depth
     well = mesh.box(
         f"{name}_well", (KEY_COLUMNS * KEY_PITCH_M + 0.006, KEY_ROWS * KEY_PITCH_M + 0.006, 0.0006)
     )
     dark = products.satin_plastic(f"{name}_well", (0.016, 0.016, 0.018), rng)
-    parts.append(mesh.set_material(mesh.move(well, y=keys_y, z=BASE_M - 0.0002), dark))
+    parts.add(well, dark, y=keys_y, z=BASE_M - 0.0002)
     caps = products.satin_plastic(f"{name}_caps", model.caps, rng, roughness=0.5)
-    parts.append(mesh.set_material(_keys(f"{name}_keys", keys_y), caps))
+    parts.add(_keys(f"{name}_keys", keys_y), caps)
 
     pad = mesh.bevel_box(f"{name}_pad", (0.105, 0.27 * depth, 0.0008), 0.0003, segments=1)
     smooth = products.satin_plastic(f"{name}_pad", products.scaled(model.metal, 0.80), rng, roughness=0.3)
-    parts.append(mesh.set_material(mesh.move(pad, y=-0.315 * depth, z=BASE_M - 0.0004), smooth))
+    parts.add(pad, smooth, y=-0.315 * depth, z=BASE_M - 0.0004)
     hinge = mesh.cylinder(f"{name}_hinge", 0.0052, 0.62 * width, 14)
     mesh.move(mesh.rotate(hinge, "Y", 90.0), x=-0.31 * width, y=0.5 * depth - HINGE_INSET_M + 0.004)
-    parts.append(mesh.set_material(mesh.move(hinge, z=BASE_M - 0.0050), dark))
-    return mesh.join(name, parts)
+    parts.add(hinge, dark, z=BASE_M - 0.0050)
+    return parts.join()
 
 
 def _keys(name: str, middle_y: float) -> bpy.types.Object:
@@ -167,21 +167,21 @@ def _lid(
     width, depth = model.size_m
     long = depth - HINGE_INSET_M - 0.001
     shell = mesh.move(mesh.bevel_box(f"{name}_shell", (width, long, LID_M - 0.001), 0.0025), z=0.001)
-    parts = [mesh.set_material(mesh.move(shell, y=-0.5 * long), metal)]
-    bezel = mesh.box(f"{name}_bezel", (width - 0.008, long - 0.010, 0.0010))
+    parts = Parts(name)
+    parts.add(shell, metal, y=-0.5 * long)
     dark = products.satin_plastic(f"{name}_bezel", (0.010, 0.010, 0.012), rng, roughness=0.25)
-    parts.append(mesh.set_material(mesh.move(bezel, y=-0.5 * long, z=0.0003), dark))
+    parts.box("bezel", dark, (width - 0.008, long - 0.010, 0.0010), y=-0.5 * long, z=0.0003)
     badge = mesh.cylinder(f"{name}_badge", 0.017, 0.0006, 28)
     mesh.transform(badge, Matrix.Diagonal((1.0, 0.72, 1.0, 1.0)))
     sheen = products.metal(f"{name}_badge", model.badge, rng, roughness=0.2)
-    parts.append(mesh.set_material(mesh.move(badge, y=-0.5 * long, z=LID_M - 0.0001), sheen))
+    parts.add(badge, sheen, y=-0.5 * long, z=LID_M - 0.0001)
 
     half_w, half_h = 0.5 * width - 0.011, 0.5 * long - 0.013
     for part in _screen(f"{name}_screen", rng, half_w, half_h, page):
         # The picture is drawn upright in XY facing +Z; on the shut lid it faces down with its top at -Y.
         mesh.rotate(part, "X", 180.0)
-        parts.append(mesh.move(part, y=-0.5 * long + 0.002, z=0.0001))
-    return mesh.join(name, parts)
+        parts.add(part, y=-0.5 * long + 0.002, z=0.0001)
+    return parts.join()
 
 
 def _screen(name: str, rng: random.Random, half_w: float, half_h: float, page: int) -> list[bpy.types.Object]:
@@ -213,7 +213,7 @@ def _screen(name: str, rng: random.Random, half_w: float, half_h: float, page: i
             sheets["accent"].append((x, -half_h + 0.012, x + 0.009, high))
     else:
         sheets["accent"].append((half_w - 0.055, -half_h + 0.014, half_w - 0.012, -half_h + 0.050))
-    made = []
+    made = Parts(name)
     for layer, (key, rectangles) in enumerate(sheets.items()):
         if not rectangles:
             continue
@@ -224,5 +224,5 @@ def _screen(name: str, rng: random.Random, half_w: float, half_h: float, page: i
             verts += [(x0, y0, z), (x1, y0, z), (x1, y1, z), (x0, y1, z)]
             faces.append((first, first + 1, first + 2, first + 3))
         sheet = mesh.from_pydata(f"{name}_{key}", verts, faces, smooth=False)
-        made.append(mesh.set_material(sheet, products.glow(f"{name}_{key}", colours[key], 0.85)))
+        made.add(sheet, products.glow(f"{name}_{key}", colours[key], 0.85))
     return made

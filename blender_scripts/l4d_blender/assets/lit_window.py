@@ -14,6 +14,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import Nodes, emission, principled
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind, words
 from l4d_blender.colour import Colour
 
@@ -52,11 +53,10 @@ def lit_window(
 ) -> list[bpy.types.Object]:
     """[frame, view] and, unless it is bare, [curtains]."""
     paint = principled(f"{name}_paint", frame, roughness=0.42, variation=0.08)
-    half, parts = width_m / 2, []
+    half, parts = width_m / 2, Parts(f"{name}_frame")
 
     def bar(size: tuple[float, float, float], x: float, y: float, z: float) -> None:
-        box = mesh.bevel_box(f"{name}_bar", size, 0.004, 1)
-        parts.append(mesh.set_material(mesh.move(box, x, y, z), paint))
+        parts.box("bar", paint, size, 0.004, 1, x=x, y=y, z=z)
 
     for side in (-1, 1):
         bar((0.06, 0.07, height_m), side * (half - 0.03), 0.03, sill_m)
@@ -69,7 +69,7 @@ def lit_window(
         bar((0.045, 0.05, height_m), width_m * (k / columns - 0.5), 0.03, sill_m)
     for k in range(1, rows):
         bar((width_m, 0.04, 0.03), 0.0, 0.03, sill_m + height_m * k / rows)
-    casement = mesh.join(f"{name}_frame", parts)
+    casement = parts.join()
     made = [casement, _view(f"{name}_view", rng, half, sill_m, height_m, SKIES[sky], glow)]
     if hanging == "curtains":
         made.append(_curtains(f"{name}_curtains", rng, width_m, sill_m, height_m, curtain))
@@ -110,7 +110,7 @@ def _curtains(
     cloth = interior.cloth(f"{name}_cloth", colour, rng, slub_per_m=70)
     metal = principled(f"{name}_rod", (0.10, 0.08, 0.07), roughness=0.35, metallic=0.8)
     top, low = sill + height + 0.16, max(0.02, sill - rng.choice((0.25, sill)))
-    parts = []
+    parts = Parts(name)
     for side in (-1, 1):
         inner, outer = width / 2 - rng.uniform(0.05, 0.15), width / 2 + 0.22
         columns, folds, phase = 28, 4.5, rng.uniform(0, 6)
@@ -126,10 +126,10 @@ def _curtains(
                 face = (j * row + i, (j + 1) * row + i, (j + 1) * row + i + 1, j * row + i + 1)
                 faces.append(face if side > 0 else face[::-1])
         panel = mesh.from_pydata(f"{name}_panel", verts, faces)
-        parts.append(mesh.set_material(mesh.solidify(panel, 0.006, offset=0.0), cloth))
+        parts.add(mesh.solidify(panel, 0.006, offset=0.0), cloth)
     reach = width / 2 + 0.27
-    rod = mesh.tube(f"{name}_rod", [(-reach, -0.20, top + 0.01), (reach, -0.20, top + 0.01)], 0.012, 10)
-    return mesh.join(name, [*parts, mesh.set_material(rod, metal)])
+    parts.tube("rod", metal, [(-reach, -0.20, top + 0.01), (reach, -0.20, top + 0.01)], 0.012, 10)
+    return parts.join()
 
 
 def _blind(

@@ -13,6 +13,7 @@ from l4d_blender.catalogue import kind
 
 from . import mesh
 from .materials import products, street
+from .parts import Parts
 
 
 @kind("trolley", (0.612, 1.1, 1.02), "rolls", "container", front="-y")
@@ -22,10 +23,10 @@ def luggage_trolley(name: str, rng: random.Random) -> bpy.types.Object:
     grip = products.rubber(f"{name}_grip", (0.03, 0.03, 0.032), rng)
     plate = products.lacquer(f"{name}_plate", (0.62, 0.36, 0.02), rng)
     tyre = street.tyre(f"{name}_tyre")
-    parts: list[bpy.types.Object] = []
+    parts = Parts(name)
 
     def bar(points: list[tuple[float, float, float]], radius: float, material: bpy.types.Material) -> None:
-        parts.append(mesh.set_material(mesh.tube(f"{name}_bar", points, radius, segments=10), material))
+        parts.tube("bar", material, points, radius, segments=10)
 
     deck = 0.21
     for s in (-1.0, 1.0):
@@ -61,13 +62,11 @@ def luggage_trolley(name: str, rng: random.Random) -> bpy.types.Object:
         bar([(-0.285, 0.452, z), (0.285, 0.452, z)], 0.008, steel)
     bar([(-0.28, 0.25, 0.595), (-0.25, 0.02, 0.585), (0.25, 0.02, 0.585), (0.28, 0.25, 0.595)], 0.008, steel)
     bar([(-0.30, 0.46, 1.00), (0.30, 0.46, 1.00)], 0.022, grip)
-    board = mesh.bevel_box(f"{name}_board", (0.46, 0.012, 0.20), 0.005, 2)
-    parts.append(mesh.set_material(mesh.move(board, 0.0, 0.458, 0.72), plate))
+    parts.box("board", plate, (0.46, 0.012, 0.20), 0.005, 2, y=0.458, z=0.72)
     for x, y in ((0.0, -0.46), (-0.25, 0.34), (0.25, 0.34)):
         wheel = mesh.rotate(
             mesh.move(mesh.cylinder(f"{name}_wheel", 0.078, 0.034, 24, 0.01), z=-0.017), "Y", 90.0
         )
-        parts.append(mesh.set_material(mesh.move(wheel, x, y, 0.078), tyre))
-        fork = mesh.bevel_box(f"{name}_fork", (0.052, 0.05, 0.15), 0.01, 2)
-        parts.append(mesh.set_material(mesh.move(fork, x, y, 0.065), steel))
-    return mesh.join(name, parts)
+        parts.add(wheel, tyre, x=x, y=y, z=0.078)
+        parts.box("fork", steel, (0.052, 0.05, 0.15), 0.01, 2, x=x, y=y, z=0.065)
+    return parts.join()

@@ -18,6 +18,7 @@ from . import mesh
 from .materials import interior, outdoors, products
 from .materials.base import Nodes
 from .materials.products import scaled
+from .parts import Parts
 
 COUNTER_M = 0.78
 WIDTH_M, DEPTH_M = 2.10, 0.74
@@ -45,25 +46,21 @@ def market_stall(
     """The whole stall as one object."""
     wood = outdoors.weathered_wood(f"{name}_wood", (0.34, 0.22, 0.12), grain_axis="X")
     post = outdoors.weathered_wood(f"{name}_post", (0.34, 0.22, 0.12), grain_axis="Z")
-    top = mesh.move(mesh.bevel_box(f"{name}_top", (WIDTH_M, DEPTH_M, 0.035), 0.006), z=COUNTER_M - 0.035)
-    parts = [mesh.set_material(top, wood)]
+    parts = Parts(name)
+    parts.box("top", wood, (WIDTH_M, DEPTH_M, 0.035), 0.006, z=COUNTER_M - 0.035)
     for x in (-WIDTH_M / 2 + 0.05, WIDTH_M / 2 - 0.05):
         for y, tall in ((-DEPTH_M / 2 + 0.04, 2.02), (DEPTH_M / 2 + 0.10, 2.42)):
-            pole = mesh.bevel_box(f"{name}_pole", (0.055, 0.055, tall), 0.008)
-            parts.append(mesh.set_material(mesh.move(pole, x, y), post))
-    parts.append(mesh.set_material(_skirt(f"{name}_skirt", rng), interior.cloth(f"{name}_skirt", skirt, rng)))
+            parts.box("pole", post, (0.055, 0.055, tall), 0.008, x=x, y=y)
+    parts.add(_skirt(f"{name}_skirt", rng), interior.cloth(f"{name}_skirt", skirt, rng))
     parts += _awning(name, rng, stripes)
     heaps = rng.sample(HEAPS, crates)
     pitch = (WIDTH_M - 0.50) / crates
     for k, heap in enumerate(heaps):
         at = Matrix.Translation((-WIDTH_M / 2 + 0.10 + pitch * (k + 0.5), -0.06, COUNTER_M + 0.012))
         crate = _crate(f"{name}_crate_{k}", rng, (pitch - 0.04, 0.42), heap, wood)
-        parts.append(
-            mesh.transform(crate, at @ Matrix.Rotation(0.26, 4, "X") @ Matrix.Translation((0, 0, 0.05)))
-        )
-    scales = _scales(f"{name}_scales", rng)
-    parts.append(mesh.move(scales, x=WIDTH_M / 2 - 0.22, y=0.02, z=COUNTER_M))
-    return mesh.join(name, parts)
+        parts.add(crate, within=at @ Matrix.Rotation(0.26, 4, "X") @ Matrix.Translation((0, 0, 0.05)))
+    parts.add(_scales(f"{name}_scales", rng), x=WIDTH_M / 2 - 0.22, y=0.02, z=COUNTER_M)
+    return parts.join()
 
 
 def _skirt(name: str, rng: random.Random) -> bpy.types.Object:
@@ -132,13 +129,12 @@ def _crate(
 ) -> bpy.types.Object:
     """A slatted crate, heaped."""
     sx, sy = size
-    parts = []
+    parts = Parts(name)
     for s in (-1, 1):
         for z in (0.02, 0.075):
-            long = mesh.bevel_box(f"{name}_slat", (sx, 0.010, 0.044), 0.003, 1)
-            short = mesh.bevel_box(f"{name}_end", (0.010, sy, 0.044), 0.003, 1)
-            parts += [mesh.move(long, y=s * sy / 2, z=z), mesh.move(short, x=s * sx / 2, z=z)]
-    parts.append(mesh.move(mesh.box(f"{name}_floor", (sx, sy, 0.010)), z=0.012))
+            parts.add(mesh.bevel_box("slat", (sx, 0.010, 0.044), 0.003, 1), y=s * sy / 2, z=z)
+            parts.add(mesh.bevel_box("end", (0.010, sy, 0.044), 0.003, 1), x=s * sx / 2, z=z)
+    parts.add(mesh.box("floor", (sx, sy, 0.010)), z=0.012)
     for part in parts:
         mesh.set_material(part, wood)
     label, colour, radii = kind
@@ -157,8 +153,8 @@ def _crate(
                 )
                 z = 0.060 + (1.25 * layer + rng.uniform(0.0, 0.25)) * radii[2]
                 mesh.transform(fruit, Matrix.Translation((x, y, z)) @ turn)
-                parts.append(mesh.set_material(fruit, skin))
-    return mesh.join(name, parts)
+                parts.add(fruit, skin)
+    return parts.join()
 
 
 def _scales(name: str, rng: random.Random) -> bpy.types.Object:

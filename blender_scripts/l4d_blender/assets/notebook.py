@@ -15,6 +15,7 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import Choice, colours, kind
 from l4d_blender.colour import Colour
 
@@ -40,31 +41,31 @@ def open_notebook(name: str, rng: random.Random, *, look: Look = Look(), lines: 
     """A spread 30 cm wide: the left page is written full, the right one is empty but for a heading."""
     width, depth = PAGE_M
     cover = mesh.bevel_box(f"{name}_cover", (2 * width + 0.012, depth + 0.008, _COVER_M), 0.0007, segments=2)
-    parts = [mesh.set_material(cover, cover_cloth(f"{name}_cloth", look, rng))]
+    parts = Parts(name)
+    parts.add(cover, cover_cloth(f"{name}_cloth", look, rng))
     pages = mesh.grid(f"{name}_pages", 2 * width, depth, 72, 4, lambda x, _: page_z(x))
     mesh.solidify(pages, 0.0012)
     ruled = products.ruled_paper(
         f"{name}_ruled", (0.80, 0.77, 0.68), (0.42, 0.54, 0.62), rng, pitch_m=PITCH_M
     )
-    parts.append(mesh.set_material(pages, ruled))
+    parts.add(pages, ruled)
     for side in (-1.0, 1.0):
         block = mesh.bevel_box(f"{name}_block", (width - 0.004, depth, OPEN_M - _COVER_M - 0.0012), 0.0008)
-        mesh.move(block, x=side * (0.5 * width + 0.002), z=_COVER_M)
-        parts.append(mesh.set_material(block, products.page_block(f"{name}_edges", rng)))
+        parts.add(
+            block, products.page_block(f"{name}_edges", rng), x=side * (0.5 * width + 0.002), z=_COVER_M
+        )
     ink = products.satin_plastic(f"{name}_ink", INK, rng, roughness=0.7)
     for row in range(lines):
         end = -0.016 - rng.choice((0.0, 0.006, 0.014, 0.040))
         x = -width + 0.016
         while x < end:
             word = rng.uniform(0.010, 0.022)
-            parts.append(
-                mesh.set_material(_scribble(f"{name}_word", rng, word, x, 0.078 - PITCH_M * row), ink)
-            )
+            parts.add(_scribble(f"{name}_word", rng, word, x, 0.078 - PITCH_M * row), ink)
             x += word + 0.005
-    heading = _scribble(f"{name}_heading", rng, 0.040, 0.018, 0.086, tall=1.6)
-    parts.append(mesh.set_material(heading, ink))
-    ribbon = mesh.tube(
-        f"{name}_ribbon",
+    parts.add(_scribble(f"{name}_heading", rng, 0.040, 0.018, 0.086, tall=1.6), ink)
+    parts.tube(
+        "ribbon",
+        products.woven_cloth(f"{name}_ribbon", look.trim, rng),
         [
             (0.004, 0.10, 0.0075),
             (0.006, -0.02, 0.0080),
@@ -75,8 +76,7 @@ def open_notebook(name: str, rng: random.Random, *, look: Look = Look(), lines: 
         [(0.0022, 0.0004)] * 5,
         segments=6,
     )
-    parts.append(mesh.set_material(ribbon, products.woven_cloth(f"{name}_ribbon", look.trim, rng)))
-    return mesh.join(name, parts)
+    return parts.join()
 
 
 @kind(
@@ -92,20 +92,19 @@ def shut_notebook(name: str, rng: random.Random, *, look: Look = Look()) -> bpy.
     width, depth = PAGE_M
     cloth = cover_cloth(f"{name}_cloth", look, rng)
     trim = products.woven_cloth(f"{name}_trim", look.trim, rng, threads_per_m=1500.0)
-    parts = []
+    parts = Parts(name)
     for z in (0.0, SHUT_M - _COVER_M):
-        board = mesh.bevel_box(f"{name}_board", (width + 0.004, depth + 0.006, _COVER_M), 0.0007, segments=2)
-        parts.append(mesh.set_material(mesh.move(board, z=z), cloth))
+        parts.box("board", cloth, (width + 0.004, depth + 0.006, _COVER_M), 0.0007, segments=2, z=z)
     spine = mesh.bevel_box(f"{name}_spine", (0.003, depth + 0.006, SHUT_M - 0.0004), 0.0012)
-    parts.append(mesh.set_material(mesh.move(spine, x=-0.5 * width - 0.0012, z=0.0002), cloth))
+    parts.add(spine, cloth, x=-0.5 * width - 0.0012, z=0.0002)
     block = mesh.bevel_box(f"{name}_block", (width - 0.002, depth - 0.002, SHUT_M - 2 * _COVER_M), 0.0006)
-    parts.append(mesh.set_material(mesh.move(block, z=_COVER_M), products.page_block(f"{name}_edges", rng)))
+    parts.add(block, products.page_block(f"{name}_edges", rng), z=_COVER_M)
     band = mesh.bevel_box(f"{name}_band", (0.007, depth + 0.0075, SHUT_M + 0.0012), 0.0008, segments=2)
-    parts.append(mesh.set_material(mesh.move(band, x=0.5 * width - 0.018, z=-0.0002), trim))
+    parts.add(band, trim, x=0.5 * width - 0.018, z=-0.0002)
     label = mesh.bevel_box(f"{name}_label", (0.070, 0.036, 0.0004), 0.0001, segments=1)
     paper = products.paper(f"{name}_label", (0.74, 0.70, 0.60), rng)
-    parts.append(mesh.set_material(mesh.move(label, x=-0.012, y=0.052, z=SHUT_M - 0.0001), paper))
-    return mesh.drop_to_base(mesh.join(name, parts))
+    parts.add(label, paper, x=-0.012, y=0.052, z=SHUT_M - 0.0001)
+    return mesh.drop_to_base(parts.join())
 
 
 @kind("word", (0.022, 0.004, 0.0))

@@ -12,6 +12,7 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind
 from l4d_blender.colour import Colour
 
@@ -27,15 +28,12 @@ def office_chair(name: str, rng: random.Random, *, cloth: Colour = (0.09, 0.1, 0
     seat = mesh.move(mesh.bevel_box(f"{name}_seat", (0.48, 0.46, 0.09), 0.035, segments=4), z=SEAT_M - 0.09)
     back = mesh.move(mesh.bevel_box(f"{name}_back", (0.44, 0.07, 0.50), 0.033, segments=4), z=SEAT_M + 0.02)
     mesh.move(mesh.rotate(back, "X", -7.0), y=0.17)
-    parts = [mesh.set_material(seat, cover), mesh.set_material(back, cover)]
-    parts.append(mesh.set_material(mesh.move(mesh.cylinder(f"{name}_post", 0.028, 0.30, 20), z=0.08), steel))
+    parts = Parts(name)
+    parts.add(seat, cover)
+    parts.add(back, cover)
+    parts.cylinder("post", steel, 0.028, 0.30, 20, z=0.08)
     for k in range(5):
         a = 2 * pi * k / 5
-        leg = mesh.tube(
-            f"{name}_leg", [(0.0, 0.0, 0.10), (0.29 * cos(a), 0.29 * sin(a), 0.065)], [0.024, 0.016]
-        )
-        castor = mesh.ellipsoid(
-            f"{name}_castor", (0.028, 0.028, 0.028), 14, 10, (0.29 * cos(a), 0.29 * sin(a), 0.028)
-        )
-        parts += [mesh.set_material(leg, shell), mesh.set_material(castor, shell)]
-    return mesh.join(name, parts)
+        parts.tube("leg", shell, [(0.0, 0.0, 0.10), (0.29 * cos(a), 0.29 * sin(a), 0.065)], [0.024, 0.016])
+        parts.ellipsoid("castor", shell, (0.028, 0.028, 0.028), 14, 10, (0.29 * cos(a), 0.29 * sin(a), 0.028))
+    return parts.join()

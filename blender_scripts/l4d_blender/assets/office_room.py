@@ -16,6 +16,7 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes, principled
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 from l4d_blender.colour import Colour
 
@@ -105,42 +106,37 @@ def _wall(name: str, size: tuple[float, float, float], at: tuple[float, float, f
 def _window_frame(name: str, x: float, near: float, far: float, side: int) -> list[bpy.types.Object]:
     """Stiles, rails and a sill board round the opening."""
     middle, tall, wide = 0.5 * (near + far), LINTEL_M - SILL_M, far - near
-    bars = [
-        mesh.move(mesh.bevel_box(f"{name}_sill", (0.30, wide + 0.12, 0.03), 0.006), x, middle, SILL_M - 0.02)
-    ]
+    bars = Parts(name)
+    bars.add(mesh.bevel_box(f"{name}_sill", (0.30, wide + 0.12, 0.03), 0.006), x=x, y=middle, z=SILL_M - 0.02)
     for y in (near + 0.02, middle, far - 0.02):
-        bars.append(
-            mesh.move(mesh.bevel_box(f"{name}_stile", (0.05, 0.045, tall), 0.004), x + 0.06 * side, y, SILL_M)
+        bars.add(
+            mesh.bevel_box(f"{name}_stile", (0.05, 0.045, tall), 0.004), x=x + 0.06 * side, y=y, z=SILL_M
         )
     for z in (SILL_M, LINTEL_M - 0.045):
-        bars.append(
-            mesh.move(mesh.bevel_box(f"{name}_rail", (0.05, wide, 0.045), 0.004), x + 0.06 * side, middle, z)
-        )
+        bars.add(mesh.bevel_box(f"{name}_rail", (0.05, wide, 0.045), 0.004), x=x + 0.06 * side, y=middle, z=z)
     return bars
 
 
 def _blind(name: str, rng: random.Random, x: float, near: float, far: float, side: int) -> bpy.types.Object:
     """Aluminium slats, all tilted alike, on a head rail; the lowest stop a hand above the sill."""
     slat = principled(f"{name}_slats", (0.66, 0.66, 0.63), roughness=0.45, variation=0.06)
-    parts = [
-        mesh.move(
-            mesh.bevel_box(f"{name}_head", (0.05, far - near - 0.02, 0.045), 0.004),
-            x,
-            0.5 * (near + far),
-            LINTEL_M - 0.05,
-        )
-    ]
+    parts = Parts(name)
+    parts.add(
+        mesh.bevel_box("head", (0.05, far - near - 0.02, 0.045), 0.004),
+        x=x,
+        y=0.5 * (near + far),
+        z=LINTEL_M - 0.05,
+    )
     z = LINTEL_M - 0.09
     while z > SILL_M + 0.10:
         leaf = mesh.box(f"{name}_slat", (0.062, far - near - 0.04, 0.003))
         tilt = radians(-14.0 * side + rng.uniform(-1.5, 1.5))
         mesh.transform(leaf, Matrix.Translation((x, 0.5 * (near + far), z)) @ Matrix.Rotation(tilt, 4, "Y"))
-        parts.append(leaf)
+        parts.add(leaf)
         z -= 0.068
     for y in (near + 0.18, far - 0.18):
-        cord = mesh.box(f"{name}_cord", (0.004, 0.004, LINTEL_M - SILL_M - 0.16))
-        parts.append(mesh.move(cord, x, y, SILL_M + 0.10))
-    return mesh.set_material(mesh.join(name, parts), slat)
+        parts.add(mesh.box("cord", (0.004, 0.004, LINTEL_M - SILL_M - 0.16)), x=x, y=y, z=SILL_M + 0.10)
+    return mesh.set_material(parts.join(), slat)
 
 
 def _felt_panels(
@@ -152,12 +148,10 @@ def _felt_panels(
         felts.append(
             products.woven_cloth(f"{name}_felt{k}", products.scaled(accent, factor), rng, threads_per_m=180)
         )
-    parts, x = [], -half_width + 0.10
+    parts, x = Parts(name), -half_width + 0.10
     while x < half_width - 0.3:
         wide = rng.choice((0.28, 0.40, 0.52))
         strip = mesh.bevel_box(f"{name}_strip", (wide - 0.012, 0.035, 1.15), 0.008)
-        parts.append(
-            mesh.set_material(mesh.move(strip, x + 0.5 * wide, back - 0.018, 1.05), rng.choice(felts))
-        )
+        parts.add(strip, rng.choice(felts), x=x + 0.5 * wide, y=back - 0.018, z=1.05)
         x += wide
-    return mesh.join(name, parts)
+    return parts.join()

@@ -9,6 +9,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import emission
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind, words
 from l4d_blender.colour import Colour
 
@@ -35,14 +36,10 @@ def pendant_lamp(
     inner = [(max(r - 0.006, 0.004), z - 0.004) for r, z in reversed(outline)]
     shade = mesh.lathe(f"{name}_shade", [*outline, *inner], 36, close_bottom=False)
     cord = mesh.move(mesh.cylinder(f"{name}_cord", 0.005, cord_m - 0.2, 8), z=0.2)
-    bulb = mesh.ellipsoid(f"{name}_bulb", (0.045, 0.045, 0.05), 16, 10, (0.0, 0.0, 0.07))
     light = emission(f"{name}_bulb", (1.0, 0.78, 0.5), glow)
     light.cycles.emission_sampling = "NONE"
-    return mesh.join(
-        name,
-        [
-            mesh.set_material(shade, products.lacquer(f"{name}_lacquer", colour, rng)),
-            mesh.set_material(cord, products.rubber(f"{name}_cord", (0.02, 0.02, 0.02), rng)),
-            mesh.set_material(bulb, light),
-        ],
-    )
+    parts = Parts(name)
+    parts.add(shade, products.lacquer(f"{name}_lacquer", colour, rng))
+    parts.add(cord, products.rubber(f"{name}_cord", (0.02, 0.02, 0.02), rng))
+    parts.ellipsoid("bulb", light, (0.045, 0.045, 0.05), 16, 10, (0.0, 0.0, 0.07))
+    return parts.join()

@@ -16,6 +16,7 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind
 from l4d_blender.colour import Colour
 
@@ -38,14 +39,12 @@ def picture_book(
     board = mesh.bevel_box(f"{name}_boards", (width + 0.008, depth + 0.008, _COVER_M), 0.001)
     pages = mesh.grid(f"{name}_pages", width, depth, 48, 4, lambda x, _: _page_z(x))
     mesh.solidify(pages, 0.004)
-    parts = [
-        mesh.set_material(board, products.book_cloth(f"{name}_cloth", cover, rng)),
-        mesh.set_material(pages, products.paper(f"{name}_paper", (0.78, 0.74, 0.64), rng)),
-    ]
+    parts = Parts(name)
+    parts.add(board, products.book_cloth(f"{name}_cloth", cover, rng))
+    parts.add(pages, products.paper(f"{name}_paper", (0.78, 0.74, 0.64), rng))
 
     def printed(label: str, outline: Sequence[tuple[float, float]], colour: Colour, level: int) -> None:
-        part = _patch(f"{name}_{label}", outline, level)
-        parts.append(mesh.set_material(part, products.paper(f"{name}_{label}", colour, rng)))
+        parts.add(_patch(f"{name}_{label}", outline, level), products.paper(f"{name}_{label}", colour, rng))
 
     left, right, low, high = -0.140, -0.012, -0.045, 0.088
     printed("sky", ((left, low), (right, low), (right, high), (left, high)), sky, 1)
@@ -69,8 +68,8 @@ def picture_book(
         x = -0.076 if row < 2 else 0.078
         mesh.move(text, x, -0.060 - 0.015 * (row % 2) + (0.05 if row >= 2 else 0.0))
         mesh.displace(text, lambda at, _: Vector((0.0, 0.0, _page_z(at.x) + 2 * _PRINT_M - at.z)))
-        parts.append(mesh.set_material(text, ink))
-    return mesh.join(name, parts)
+        parts.add(text, ink)
+    return parts.join()
 
 
 def _page_z(x: float) -> float:

@@ -9,6 +9,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 
 PALETTES = (
@@ -30,18 +31,14 @@ def picture_frame(
     )
     mount = principled(f"{name}_mount", (0.78, 0.75, 0.68), roughness=0.9, variation=0.06)
     canvas = interior.painting(f"{name}_canvas", PALETTES[palette % len(PALETTES)], rng)
-    parts = []
+    parts = Parts(name)
     for size, x, z in (
         ((width, 0.028, rail), 0, 0),
         ((width, 0.028, rail), 0, height - rail),
         ((rail, 0.028, height), -(width - rail) / 2, 0),
         ((rail, 0.028, height), (width - rail) / 2, 0),
     ):
-        parts.append(
-            mesh.set_material(
-                mesh.move(mesh.bevel_box(f"{name}_rail", size, 0.005), x=x, y=-0.015, z=z), wood
-            )
-        )
+        parts.box("rail", wood, size, 0.005, x=x, y=-0.015, z=z)
     for inset, y, material in ((rail, -0.010, mount), (rail + 0.045, -0.012, canvas)):
         w, h = width / 2 - inset, height - 2 * inset
         sheet = mesh.from_pydata(
@@ -50,5 +47,5 @@ def picture_frame(
             [(0, 1, 2, 3)],
             smooth=False,
         )
-        parts.append(mesh.set_material(sheet, material))
-    return mesh.join(name, parts)
+        parts.add(sheet, material)
+    return parts.join()

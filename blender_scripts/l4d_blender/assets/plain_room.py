@@ -17,6 +17,7 @@ from l4d_blender import placing
 from l4d_blender.assets import mesh, office_room, waiting_room
 from l4d_blender.assets.materials import gym, interior, kitchen, products
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.assets.parts import Parts, placed
 from l4d_blender.catalogue import kind, words
 from l4d_blender.colour import Colour
 
@@ -69,7 +70,8 @@ def plain_room(
         [(0, 1, 2, 3)],
         smooth=False,
     )
-    parts = [mesh.set_material(ground, material)]
+    parts = Parts(name)
+    parts.add(ground, material)
     trim = principled(f"{name}_trim", trim_colour, roughness=0.45, variation=0.06)
     layers = _layers(name, wall, wall_colour, second_colour, trim_colour, height_m, rng)
     for side, heading, at, span, sign in (
@@ -81,11 +83,10 @@ def plain_room(
         along = _between(sign * span[0], sign * span[1])
         holes = [(*_between(sign * a, sign * b), low, high) for a, b, low, high in openings.get(side, ())]
         for k, (low, high, out, upright, paint) in enumerate(layers):
-            sheet = _sheet(f"{name}_{side}_{k}", along, (low, high), holes, upright)
-            mesh.set_material(sheet, paint)
+            sheet = mesh.set_material(_sheet(f"{name}_{side}_{k}", along, (low, high), holes, upright), paint)
             turn = Matrix.Identity(4) if upright else Matrix.Rotation(1.5707963, 4, "X")
             sheet.matrix_basis = frame @ Matrix.Translation((0.0, -out, 0.0)) @ turn
-            parts.append(sheet)
+            parts.add(sheet)
         rails = [(0.016, 0.09, 0.0)] if wall not in ("two_tone", "panelled") else _RAILS
         parts += _trim(f"{name}_{side}", along, holes, rails, trim, frame)
         if wall == "panelled":
@@ -181,7 +182,7 @@ def _trim(
         for a, b in [*cuts, (along[1], along[1])]:
             if a - start > 0.02:
                 bar = mesh.bevel_box(f"{name}_rail_{k}", (a - start, out, tall), 0.004, 1)
-                mesh.set_material(mesh.move(bar, x=0.5 * (a + start), y=-0.5 * out, z=z), paint)
+                placed(bar, paint, x=0.5 * (a + start), y=-0.5 * out, z=z)
                 bar.matrix_basis = frame
                 made.append(bar)
             start = max(start, b)
@@ -193,13 +194,12 @@ def _battens(
 ) -> list[bpy.types.Object]:
     """Upright laths that divide panelling into fields."""
     count = max(1, round((along[1] - along[0]) / 0.42))
-    laths = []
+    laths = Parts(f"{name}_laths")
     for k in range(count + 1):
         u = along[0] + (along[1] - along[0]) * k / count
         if not any(a - 0.05 < u < b + 0.05 and low < DADO_M for a, b, low, _ in holes):
-            lath = mesh.bevel_box(f"{name}_lath", (0.07, 0.022, DADO_M), 0.004, 1)
-            laths.append(mesh.move(lath, x=u, y=-0.011))
-    made = mesh.set_material(mesh.join(f"{name}_laths", laths), paint)
+            laths.add(mesh.bevel_box("lath", (0.07, 0.022, DADO_M), 0.004, 1), x=u, y=-0.011)
+    made = mesh.set_material(laths.join(), paint)
     made.matrix_basis = frame
     return [made]
 

@@ -14,6 +14,7 @@ from ..colour import Colour
 from . import mesh
 from .materials.base import Nodes
 from .materials.products import scaled
+from .parts import Parts
 
 THICKNESS_M = 0.014
 COLOURS: tuple[Colour, ...] = ((0.15, 0.33, 0.40), (0.62, 0.42, 0.12), (0.42, 0.14, 0.10), (0.24, 0.36, 0.14))
@@ -30,22 +31,21 @@ def play_mat(
 ) -> bpy.types.Object:
     """The mat round the origin, its top at THICKNESS_M."""
     foams = [_foam(f"{name}_foam_{k}", colour) for k, colour in enumerate(colours)]
-    parts = []
+    parts = Parts(name)
     nx, ny = tiles
     for i in range(nx):
         for j in range(ny):
             x, y = tile_m * (i - (nx - 1) / 2), tile_m * (j - (ny - 1) / 2)
             foam = foams[(i + 2 * j + (i * j) % 2) % len(foams)]
-            tile = mesh.bevel_box(f"{name}_tile", (tile_m - 0.003, tile_m - 0.003, THICKNESS_M), 0.003, 2)
-            parts.append(mesh.set_material(mesh.move(tile, x, y), foam))
+            parts.box("tile", foam, (tile_m - 0.003, tile_m - 0.003, THICKNESS_M), 0.003, 2, x=x, y=y)
             for along_x in (True, False):
                 if (i if along_x else j) + 1 < (nx if along_x else ny):
                     for k in (-1, 0, 1):
                         side, off = tile_m / 2 + 0.012, 0.30 * tile_m * k
                         knob = _knob(f"{name}_knob", 0.034 + rng.uniform(-0.001, 0.001))
                         at = (x + side, y + off) if along_x else (x + off, y + side)
-                        parts.append(mesh.set_material(mesh.move(knob, *at), foam))
-    return mesh.join(name, parts)
+                        parts.add(mesh.move(knob, *at), foam)
+    return parts.join()
 
 
 def _knob(name: str, radius: float) -> bpy.types.Object:

@@ -16,6 +16,7 @@ from l4d_blender.catalogue import kind, words
 
 from . import mesh
 from .materials import outdoors, playground, products
+from .parts import Parts
 
 EDGE_M = 0.145
 _PLANK_M, _CAP_M = 0.045, 0.125
@@ -50,12 +51,10 @@ def sandbox(
 ) -> bpy.types.Object:
     """Edge and sand as one object."""
     sx, sy = size_m
-    parts = [
-        mesh.set_material(
-            mesh.grid(f"{name}_sand", sx - _PLANK_M, sy - _PLANK_M, 44, 44, sand.height),
-            playground.sand(f"{name}_sand"),
-        )
-    ]
+    parts = Parts(name)
+    parts.add(
+        mesh.grid("sand", sx - _PLANK_M, sy - _PLANK_M, 44, 44, sand.height), playground.sand(f"{name}_sand")
+    )
     for axis, length, offset in (("X", sx + _CAP_M, sy), ("Y", sy - _CAP_M, sx)):
         wood = outdoors.weathered_wood(f"{name}_wood_{axis.lower()}", (0.40, 0.27, 0.15), grain_axis=axis)
         for s in (-1, 1):
@@ -66,8 +65,8 @@ def sandbox(
                 mesh.move(piece, y=s * offset / 2, z=-0.02)
                 if axis == "Y":
                     mesh.rotate(piece, "Z", 90.0)
-                parts.append(mesh.set_material(piece, wood))
-    return mesh.join(name, parts)
+                parts.add(piece, wood)
+    return parts.join()
 
 
 @kind("pail", (0.178, 0.183, 0.142), "graspable", "container", colour=words("colour", *playground.PAINTS))

@@ -11,6 +11,7 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
 from l4d_blender.assets.materials.base import Nodes, principled
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind
 from l4d_blender.colour import Colour
 
@@ -20,16 +21,14 @@ def pupil_desk(name: str, rng: random.Random, *, frame: Colour = (0.10, 0.14, 0.
     """A small table on a steel frame, with a tray for books; who sits there is at -Y."""
     wood = products.wood(f"{name}_wood", (0.50, 0.36, 0.20), (0.34, 0.22, 0.11), rng, grain_axis="X")
     steel = products.lacquer(f"{name}_steel", frame, rng)
-    top = mesh.move(mesh.bevel_box(f"{name}_top", (0.70, 0.50, 0.025), 0.008, 2), z=0.715)
-    tray = mesh.move(mesh.bevel_box(f"{name}_tray", (0.56, 0.34, 0.015), 0.004, 1), y=0.04, z=0.60)
-    parts = [mesh.set_material(top, wood), mesh.set_material(tray, steel)]
+    parts = Parts(name)
+    parts.box("top", wood, (0.70, 0.50, 0.025), 0.008, 2, z=0.715)
+    parts.box("tray", steel, (0.56, 0.34, 0.015), 0.004, 1, y=0.04, z=0.60)
     for x in (-1, 1):
         for y in (-0.20, 0.20):
-            leg = mesh.tube(f"{name}_leg", [(0.31 * x, y, 0.0), (0.31 * x, y, 0.715)], 0.014, 10)
-            parts.append(mesh.set_material(leg, steel))
-        bar = mesh.bevel_box(f"{name}_bar", (0.022, 0.40, 0.022), 0.004, 1)
-        parts.append(mesh.set_material(mesh.move(bar, x=0.31 * x, z=0.60), steel))
-    return mesh.join(name, parts)
+            parts.tube("leg", steel, [(0.31 * x, y, 0.0), (0.31 * x, y, 0.715)], 0.014, 10)
+        parts.box("bar", steel, (0.022, 0.40, 0.022), 0.004, 1, x=0.31 * x, z=0.60)
+    return parts.join()
 
 
 @kind("blackboard", (2.3, 0.1, 1.21), "hangs", front="-y", colour=colours("slate"))
@@ -50,23 +49,20 @@ def blackboard(
     n.set("Roughness", 0.85)
     wood = interior.wood(f"{name}_wood", (0.40, 0.25, 0.12), rng, grain_axis="X")
     chalk = principled(f"{name}_chalk", (0.7, 0.7, 0.66), roughness=1.0)
-    board = mesh.move(mesh.box(f"{name}_board", (width_m, 0.02, height_m)), y=-0.012)
-    parts = [mesh.set_material(board, material)]
+    parts = Parts(name)
+    parts.box("board", material, (width_m, 0.02, height_m), y=-0.012)
     for z in (-0.05, height_m):
-        rail = mesh.bevel_box(f"{name}_rail", (width_m + 0.1, 0.04, 0.05), 0.006, 1)
-        parts.append(mesh.set_material(mesh.move(rail, y=-0.02, z=z), wood))
+        parts.box("rail", wood, (width_m + 0.1, 0.04, 0.05), 0.006, 1, y=-0.02, z=z)
     for x in (-1.0, 1.0):
-        rail = mesh.bevel_box(f"{name}_rail", (0.05, 0.04, height_m), 0.006, 1)
-        parts.append(mesh.set_material(mesh.move(rail, x=x * (width_m + 0.05) / 2, y=-0.02), wood))
-    ledge = mesh.move(mesh.bevel_box(f"{name}_ledge", (width_m, 0.09, 0.02), 0.004, 1), y=-0.055, z=-0.06)
-    parts.append(mesh.set_material(ledge, wood))
+        parts.box("rail", wood, (0.05, 0.04, height_m), 0.006, 1, x=x * (width_m + 0.05) / 2, y=-0.02)
+    parts.box("ledge", wood, (width_m, 0.09, 0.02), 0.004, 1, y=-0.055, z=-0.06)
     for _ in range(rng.randint(3, 6)):
         x, z = rng.uniform(-0.42, 0.3) * width_m, rng.uniform(0.15, 0.9) * height_m
         for k in range(rng.randint(3, 7)):
             line = mesh.box(f"{name}_line", (rng.uniform(0.03, 0.09), 0.001, 0.012))
             mesh.rotate(line, "Y", rng.choice((0, 0, 90, 40, -40)))
-            parts.append(mesh.set_material(mesh.move(line, x=x + 0.06 * k, y=-0.0235, z=z), chalk))
-    return mesh.join(name, parts)
+            parts.add(line, chalk, x=x + 0.06 * k, y=-0.0235, z=z)
+    return parts.join()
 
 
 @kind("globe", (0.446, 0.429, 1.113), front=None)
@@ -83,16 +79,13 @@ def globe(name: str, rng: random.Random) -> bpy.types.Object:
     ball = mesh.transform(
         mesh.ellipsoid(f"{name}_ball", (0.19, 0.19, 0.19), 32, 20), Matrix.Rotation(radians(23), 4, "X")
     )
-    ring = mesh.rotate(mesh.torus(f"{name}_ring", 0.215, 0.008, 40, 8), "X", 90.0)
-    pole = mesh.cylinder(f"{name}_pole", 0.022, 0.68, 16, 0.004)
-    parts = [
-        mesh.set_material(mesh.move(ball, z=0.89), material),
-        mesh.set_material(mesh.move(ring, z=0.89), brass),
-        mesh.set_material(pole, wood),
-    ]
+    parts = Parts(name)
+    parts.add(ball, material, z=0.89)
+    parts.torus("ring", brass, 0.215, 0.008, 40, 8, z=0.89, turn=("X", 90.0))
+    parts.cylinder("pole", wood, 0.022, 0.68, 16, 0.004)
     for k in range(3):
         foot = mesh.tube(
             f"{name}_foot", [(0.0, 0.0, 0.16), (0.0, -0.14, 0.10), (0.0, -0.23, 0.014)], 0.014, 8
         )
-        parts.append(mesh.set_material(mesh.rotate(foot, "Z", 120 * k), wood))
-    return mesh.join(name, parts)
+        parts.add(foot, wood, turn=("Z", 120 * k))
+    return parts.join()

@@ -9,8 +9,8 @@ import random
 
 import bpy
 
-from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 from l4d_blender.colour import Colour
 
@@ -30,16 +30,15 @@ def serving_tray(
     """A tray whose floor is `FLOOR_M` high: painted rim, stained floor."""
     width, depth = size_m
     rim = products.lacquer(f"{name}_rim", paint, rng)
-    floor = mesh.bevel_box(f"{name}_floor", (width - 0.004, depth - 0.004, FLOOR_M), 0.0015)
     stain = products.wood(f"{name}_stain", inlay, products.scaled(inlay, 0.5), rng, grain_axis="Y")
-    parts = [mesh.set_material(floor, stain)]
+    parts = Parts(name)
+    parts.box("floor", stain, (width - 0.004, depth - 0.004, FLOOR_M), 0.0015)
     for side in (-1.0, 1.0):
-        long = mesh.bevel_box(f"{name}_long", (0.009, depth, RIM_M), 0.0035)
-        parts.append(mesh.set_material(mesh.move(long, x=side * 0.5 * (width - 0.009)), rim))
-        short = mesh.bevel_box(f"{name}_short", (width - 0.012, 0.009, RIM_M), 0.0035)
-        parts.append(mesh.set_material(mesh.move(short, y=side * 0.5 * (depth - 0.009)), rim))
-        grip = mesh.tube(
-            f"{name}_grip",
+        parts.box("long", rim, (0.009, depth, RIM_M), 0.0035, x=side * 0.5 * (width - 0.009))
+        parts.box("short", rim, (width - 0.012, 0.009, RIM_M), 0.0035, y=side * 0.5 * (depth - 0.009))
+        parts.tube(
+            "grip",
+            rim,
             [
                 (-0.035, side * (0.5 * depth - 0.004), RIM_M - 0.002),
                 (-0.024, side * (0.5 * depth - 0.002), RIM_M + 0.012),
@@ -49,5 +48,4 @@ def serving_tray(
             0.0038,
             segments=10,
         )
-        parts.append(mesh.set_material(grip, rim))
-    return mesh.join(name, parts)
+    return parts.join()

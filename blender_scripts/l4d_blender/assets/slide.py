@@ -16,6 +16,7 @@ from l4d_blender.catalogue import kind
 
 from . import mesh
 from .materials import playground, products
+from .parts import Parts
 
 PLATFORM_M = 0.86
 WIDTH_M = 0.44
@@ -62,31 +63,30 @@ def slide(name: str, rng: random.Random, *, frame: str = "red", rails: str = "ye
     rail = products.lacquer(f"{name}_rail", playground.PAINTS[rails], rng)
     steel = products.metal(f"{name}_steel", (0.62, 0.63, 0.64), rng, roughness=0.34)
     board = products.satin_plastic(f"{name}_board", playground.PAINTS["light_blue"], rng)
-    parts = [_chute(f"{name}_chute", steel), *_lips(f"{name}_lip", rail)]
+    parts = Parts(name)
+    parts += [_chute(f"{name}_chute", steel), *_lips(f"{name}_lip", rail)]
 
-    deck = mesh.bevel_box(f"{name}_deck", (WIDTH_M + 0.10, 0.56, 0.035), 0.008)
-    parts.append(mesh.set_material(mesh.move(deck, y=0.02, z=PLATFORM_M - 0.037), paint))
+    parts.box("deck", paint, (WIDTH_M + 0.10, 0.56, 0.035), 0.008, y=0.02, z=PLATFORM_M - 0.037)
     half = WIDTH_M / 2 + 0.045
     for x in (-half, half):
         for y in (-0.24, 0.28):
-            parts.append(_pipe(f"{name}_post", [(x, y, -0.05), (x, y, PLATFORM_M + 0.52)], 0.023, paint))
+            parts.add(_pipe(f"{name}_post", [(x, y, -0.05), (x, y, PLATFORM_M + 0.52)], 0.023, paint))
         hoop = [(x, -0.24, PLATFORM_M + 0.51), (x, -0.10, PLATFORM_M + 0.60), (x, 0.14, PLATFORM_M + 0.60)]
-        parts.append(_pipe(f"{name}_hoop", [*hoop, (x, 0.28, PLATFORM_M + 0.51)], 0.023, rail))
-        panel = mesh.bevel_box(f"{name}_panel", (0.022, 0.46, 0.30), 0.008)
-        parts.append(mesh.set_material(mesh.move(panel, x=x, y=0.02, z=PLATFORM_M + 0.11), board))
-        parts.append(
+        parts.add(_pipe(f"{name}_hoop", [*hoop, (x, 0.28, PLATFORM_M + 0.51)], 0.023, rail))
+        parts.box("panel", board, (0.022, 0.46, 0.30), 0.008, x=x, y=0.02, z=PLATFORM_M + 0.11)
+        parts.add(
             _pipe(f"{name}_stile", [(x * 0.86, 0.28, PLATFORM_M), (x * 0.86, 0.62, -0.04)], 0.020, paint)
         )
         foot = [(x, -1.42, -0.05), (x, -1.42, height_at(-1.42) + 0.01)]
-        parts.append(_pipe(f"{name}_foot", foot, 0.020, paint))
+        parts.add(_pipe(f"{name}_foot", foot, 0.020, paint))
     for k in range(4):
         z = 0.15 + 0.185 * k
         y = 0.28 + 0.34 * (1.0 - z / PLATFORM_M)
         rung = [(-half * 0.86, y, z), (half * 0.86, y, z)]
-        parts.append(_pipe(f"{name}_rung", rung, 0.016, rail))
+        parts.add(_pipe(f"{name}_rung", rung, 0.016, rail))
     bar = [(-half, -0.24, PLATFORM_M + 0.50), (half, -0.24, PLATFORM_M + 0.50)]
-    parts.append(_pipe(f"{name}_bar", bar, 0.020, rail))
-    return mesh.join(name, parts)
+    parts.add(_pipe(f"{name}_bar", bar, 0.020, rail))
+    return parts.join()
 
 
 def _pipe(name: str, line: list, radius: float, material: bpy.types.Material) -> bpy.types.Object:
@@ -121,12 +121,12 @@ def _chute(name: str, material: bpy.types.Material) -> bpy.types.Object:
 
 def _lips(name: str, material: bpy.types.Material) -> list[bpy.types.Object]:
     """Round rails along the chute's side walls."""
-    rails = []
+    rails = Parts(name)
     for s in (-1, 1):
         line = []
         for y in _stations(20):
             lower = 1.0 - 0.45 * max(0.0, (y - END_Y_M) / -0.35 + 1.0) if y < END_Y_M + 0.35 else 1.0
             line.append((s * WIDTH_M / 2, y, height_at(y) + _SIDE_M * lower))
-        rails.append(mesh.set_material(mesh.tube(f"{name}_{s}", line, 0.018, 10), material))
+        rails.tube(f"{s}", material, line, 0.018, 10)
     assert math.isclose(line[0][2], PLATFORM_M + _SIDE_M, abs_tol=0.02)
     return rails

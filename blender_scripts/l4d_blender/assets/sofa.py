@@ -8,6 +8,7 @@ import bpy
 
 from l4d_blender.assets import cushion, mesh
 from l4d_blender.assets.materials import interior
+from l4d_blender.assets.parts import CORNERS, Parts
 from l4d_blender.catalogue import colours, kind
 
 SEAT_HEIGHT_M = 0.43
@@ -27,22 +28,19 @@ def sofa(
     cloth = interior.cloth(f"{name}_cloth", colour, rng)
     legs = interior.wood(f"{name}_legs", (0.20, 0.10, 0.05), rng, grain_axis="Z")
     arm, back, foot = 0.17, 0.20, 0.10
-    parts = [
-        mesh.move(
-            cushion.block(
-                f"{name}_plinth", rng, size_m=(width_m - 0.04, depth_m - 0.06, 0.20), bevel_m=0.03, puff_m=0.0
-            ),
-            y=0.02,
-            z=foot,
-        )
-    ]
+    parts = Parts(name)
+    parts.add(
+        cushion.block(
+            f"{name}_plinth", rng, size_m=(width_m - 0.04, depth_m - 0.06, 0.20), bevel_m=0.03, puff_m=0.0
+        ),
+        y=0.02,
+        z=foot,
+    )
     for side in (-1, 1):
-        parts.append(
-            mesh.move(
-                cushion.block(f"{name}_arm", rng, size_m=(arm, depth_m, 0.50), bevel_m=0.06, puff_m=0.02),
-                x=side * (width_m - arm) / 2,
-                z=foot,
-            )
+        parts.add(
+            cushion.block(f"{name}_arm", rng, size_m=(arm, depth_m, 0.50), bevel_m=0.06, puff_m=0.02),
+            x=side * (width_m - arm) / 2,
+            z=foot,
         )
     seat_width = (width_m - 2 * arm) / seats
     for i in range(seats):
@@ -54,30 +52,19 @@ def sofa(
             bevel_m=0.045,
             puff_m=0.012,
         )
-        parts.append(mesh.move(seat, x=x, y=-back / 2 - 0.01, z=SEAT_HEIGHT_M - 0.158))
+        parts.add(seat, x=x, y=-back / 2 - 0.01, z=SEAT_HEIGHT_M - 0.158)
         rest = cushion.block(
             f"{name}_rest", rng, size_m=(seat_width - 0.01, 0.17, 0.42), bevel_m=0.06, puff_m=0.02
         )
-        parts.append(
-            mesh.move(mesh.rotate(rest, "X", -10), x=x, y=depth_m / 2 - back - 0.03, z=SEAT_HEIGHT_M - 0.02)
-        )
-    parts.append(
-        mesh.move(
-            cushion.block(
-                f"{name}_back", rng, size_m=(width_m - 0.06, 0.16, 0.66), bevel_m=0.05, puff_m=0.01
-            ),
-            y=depth_m / 2 - 0.08,
-            z=foot,
-        )
+        parts.add(rest, x=x, y=depth_m / 2 - back - 0.03, z=SEAT_HEIGHT_M - 0.02, turn=("X", -10))
+    parts.add(
+        cushion.block(f"{name}_back", rng, size_m=(width_m - 0.06, 0.16, 0.66), bevel_m=0.05, puff_m=0.01),
+        y=depth_m / 2 - 0.08,
+        z=foot,
     )
     for part in parts:
         mesh.set_material(part, cloth)
-    for x in (-1, 1):
-        for y in (-1, 1):
-            leg = mesh.cylinder(f"{name}_foot", 0.018, foot + 0.02, 16, top_radius=0.028)
-            parts.append(
-                mesh.set_material(
-                    mesh.move(leg, x=x * (width_m / 2 - 0.10), y=y * (depth_m / 2 - 0.10)), legs
-                )
-            )
-    return mesh.join(name, parts)
+    for x, y in CORNERS:
+        leg = mesh.cylinder(f"{name}_foot", 0.018, foot + 0.02, 16, top_radius=0.028)
+        parts.add(leg, legs, x=x * (width_m / 2 - 0.10), y=y * (depth_m / 2 - 0.10))
+    return parts.join()

@@ -17,6 +17,7 @@ from . import mesh, tree
 from .lettering import lettering
 from .materials import street
 from .materials.base import emission, principled
+from .parts import Parts
 
 
 @kind("bollard", (0.17, 0.17, 0.92))
@@ -24,10 +25,11 @@ def bollard(name: str, rng: random.Random, *, height_m: float = 0.92) -> bpy.typ
     """A steel post with a domed cap and a white band."""
     steel = street.street_metal(f"{name}_steel", (0.05, 0.055, 0.06))
     band = principled(f"{name}_band", (0.62, 0.61, 0.58), roughness=0.5, variation=0.2)
-    post = mesh.set_material(mesh.cylinder(f"{name}_post", 0.055, height_m, 24, 0.03), steel)
-    ring = mesh.move(mesh.cylinder(f"{name}_ring", 0.0565, 0.07, 24), z=height_m - 0.22)
-    foot = mesh.set_material(mesh.cylinder(f"{name}_foot", 0.085, 0.03, 24, 0.01), steel)
-    return mesh.join(name, [post, mesh.set_material(ring, band), foot])
+    parts = Parts(name)
+    parts.cylinder("post", steel, 0.055, height_m, 24, 0.03)
+    parts.cylinder("ring", band, 0.0565, 0.07, 24, z=height_m - 0.22)
+    parts.cylinder("foot", steel, 0.085, 0.03, 24, 0.01)
+    return parts.join()
 
 
 @kind("sign", (0.585, 0.16, 2.75), front="-y", colour=colours("face"))
@@ -44,28 +46,25 @@ def sign_post(
     steel = street.steel(f"{name}_pole")
     plate_paint = principled(f"{name}_plate", face, roughness=0.4, variation=0.15, variation_scale=9.0)
     white = principled(f"{name}_white", (0.80, 0.80, 0.78), roughness=0.5)
-    parts = [mesh.set_material(mesh.cylinder(f"{name}_pole", 0.034, height_m, 18, 0.01), steel)]
+    parts = Parts(name)
+    parts.cylinder("pole", steel, 0.034, height_m, 18, 0.01)
     wide = max(0.46, 0.115 * len(text))
     aside = 0.5 * wide + 0.045
-    plate = mesh.move(mesh.bevel_box(f"{name}_plate", (wide, 0.028, 0.44), 0.012), aside, 0, height_m - 0.50)
-    parts.append(mesh.set_material(plate, plate_paint))
+    parts.box("plate", plate_paint, (wide, 0.028, 0.44), 0.012, x=aside, z=height_m - 0.50)
     for turn, y in ((0.0, -0.0155), (180.0, 0.0155)):
         word = mesh.rotate(lettering(f"{name}_word", text, 0.125, bold_m=0.002), "X", 90.0)
         mesh.move(mesh.rotate(word, "Z", turn), aside, y, height_m - 0.28)
-        parts.append(mesh.set_material(word, white))
+        parts.add(word, white)
     for z in (height_m - 0.12, height_m - 0.44):
-        clamp = mesh.bevel_box(f"{name}_clamp", (0.08, 0.05, 0.03), 0.006, 1)
-        parts.append(mesh.set_material(mesh.move(clamp, 0.03, 0.0, z), steel))
+        parts.box("clamp", steel, (0.08, 0.05, 0.03), 0.006, 1, x=0.03, z=z)
     if timetable:
-        case = mesh.bevel_box(f"{name}_case", (0.34, 0.05, 0.52), 0.012)
-        parts.append(mesh.set_material(mesh.move(case, 0.0, -0.055, 1.16), steel))
+        parts.box("case", steel, (0.34, 0.05, 0.52), 0.012, y=-0.055, z=1.16)
         sheet = principled(
             f"{name}_sheet", (0.62, 0.62, 0.58), roughness=0.4, variation=0.5, variation_scale=38.0
         )
-        paper = mesh.move(mesh.bevel_box(f"{name}_paper", (0.29, 0.006, 0.46), 0.001, 1), 0.0, -0.081, 1.19)
-        parts.append(mesh.set_material(paper, sheet))
-    foot = mesh.set_material(mesh.cylinder(f"{name}_foot", 0.08, 0.025, 20, 0.008), steel)
-    return mesh.join(name, [*parts, foot])
+        parts.box("paper", sheet, (0.29, 0.006, 0.46), 0.001, 1, y=-0.081, z=1.19)
+    parts.cylinder("foot", steel, 0.08, 0.025, 20, 0.008)
+    return parts.join()
 
 
 @kind("bin", (0.44, 0.44, 0.985), "container", colour=colours("colour"))
@@ -73,32 +72,33 @@ def litter_bin(name: str, rng: random.Random, *, colour: Colour = (0.045, 0.085,
     """A round slatted bin with a hood."""
     metal = street.street_metal(f"{name}_metal", colour)
     dark = street.street_metal(f"{name}_dark", (0.012, 0.012, 0.013))
-    parts = [mesh.set_material(mesh.cylinder(f"{name}_liner", 0.185, 0.70, 28), dark)]
+    parts = Parts(name)
+    parts.cylinder("liner", dark, 0.185, 0.70, 28)
     for k in range(22):
         a = 2 * pi * k / 22
         slat = mesh.move(mesh.bevel_box(f"{name}_slat", (0.012, 0.040, 0.66), 0.004, 1), 0.20, 0.0, 0.04)
-        parts.append(mesh.set_material(mesh.rotate(slat, "Z", a * 180 / pi), metal))
+        parts.add(slat, metal, turn=("Z", a * 180 / pi))
     for z in (0.05, 0.36, 0.68):
-        parts.append(
-            mesh.set_material(mesh.move(mesh.torus(f"{name}_hoop", 0.205, 0.012, 32, 8), z=z), metal)
-        )
-    hood = mesh.lathe(
-        f"{name}_hood", [(0.22, 0.86), (0.215, 0.90), (0.15, 0.965), (0.0, 0.985)], 32, close_bottom=True
+        parts.torus("hoop", metal, 0.205, 0.012, 32, 8, z=z)
+    parts.lathe(
+        "hood", metal, [(0.22, 0.86), (0.215, 0.90), (0.15, 0.965), (0.0, 0.985)], 32, close_bottom=True
     )
-    parts.append(mesh.set_material(hood, metal))
     for k in range(3):
         a = 2 * pi * k / 3 + 0.5
-        post = mesh.cylinder(f"{name}_post", 0.012, 0.22, 8)
-        parts.append(mesh.set_material(mesh.move(post, 0.19 * cos(a), 0.19 * sin(a), 0.67), metal))
-    return mesh.join(name, parts)
+        parts.cylinder("post", metal, 0.012, 0.22, 8, x=0.19 * cos(a), y=0.19 * sin(a), z=0.67)
+    return parts.join()
 
 
 @kind("lamp_post", (0.24, 1.48, 5.24))
 def lamp_post(name: str, rng: random.Random, *, height_m: float = 5.2, glow: float = 6.0) -> bpy.types.Object:
     """A tapered mast with a flat lantern on an arm towards -Y."""
     metal = street.street_metal(f"{name}_metal", (0.07, 0.075, 0.08))
-    mast = mesh.tube(
-        f"{name}_mast",
+    shine = emission(f"{name}_lens", (1.0, 0.80, 0.52), glow)
+    shine.cycles.emission_sampling = "NONE"
+    parts = Parts(name)
+    parts.tube(
+        "mast",
+        metal,
         [
             (0, 0, 0),
             (0, 0, 0.8),
@@ -110,18 +110,9 @@ def lamp_post(name: str, rng: random.Random, *, height_m: float = 5.2, glow: flo
         [0.085, 0.080, 0.058, 0.045, 0.042, 0.035],
         segments=14,
     )
-    lantern = mesh.move(
-        mesh.bevel_box(f"{name}_lantern", (0.24, 0.60, 0.09), 0.03), 0.0, -1.1, height_m - 0.05
-    )
-    lens = mesh.move(
-        mesh.bevel_box(f"{name}_lens", (0.18, 0.46, 0.02), 0.008, 1), 0.0, -1.1, height_m - 0.064
-    )
-    shine = emission(f"{name}_lens", (1.0, 0.80, 0.52), glow)
-    shine.cycles.emission_sampling = "NONE"
-    return mesh.join(
-        name,
-        [mesh.set_material(mast, metal), mesh.set_material(lantern, metal), mesh.set_material(lens, shine)],
-    )
+    parts.box("lantern", metal, (0.24, 0.60, 0.09), 0.03, y=-1.1, z=height_m - 0.05)
+    parts.box("lens", shine, (0.18, 0.46, 0.02), 0.008, 1, y=-1.1, z=height_m - 0.064)
+    return parts.join()
 
 
 @kind("planter", (0.879, 0.891, 1.08))

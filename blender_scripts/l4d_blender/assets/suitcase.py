@@ -21,6 +21,7 @@ from ..colour import Colour
 from . import mesh
 from .materials import products
 from .materials.base import principled
+from .parts import Parts
 
 #: Width, depth and height of the shell.
 SIZES: dict[str, tuple[float, float, float]] = {
@@ -191,37 +192,36 @@ def _zip(name: str, dark: bpy.types.Material, w: float, h: float) -> bpy.types.O
 
 def _fittings(name: str, dark: bpy.types.Material, w: float, d: float, h: float) -> list[bpy.types.Object]:
     """Feet, wheel housings, corner guards of the base, and the two carrying handles."""
-    parts = []
+    parts = Parts(name)
     for side in (-1.0, 1.0):
         foot = mesh.cylinder(f"{name}_foot", 0.020, BASE_M + 0.03, 16, 0.006)
-        parts.append(mesh.move(foot, side * (0.5 * w - 0.07), -0.5 * d + 0.055))
+        parts.add(foot, dark, x=side * (0.5 * w - 0.07), y=-0.5 * d + 0.055)
         housing = mesh.bevel_box(f"{name}_housing", (0.060, 0.085, 0.075), 0.018)
-        parts.append(mesh.move(housing, side * (0.5 * w - 0.050), 0.5 * d - 0.040, 0.040))
+        parts.add(housing, dark, x=side * (0.5 * w - 0.050), y=0.5 * d - 0.040, z=0.040)
     top, turns = BASE_M + h, [pi * k / 10 for k in range(11)]
     arc = [(0.085 * cos(a), -0.02, top - 0.006 + 0.034 * sin(a)) for a in turns]
-    parts.append(mesh.tube(f"{name}_carry", arc, [(0.014, 0.007)] * 11, segments=8, up=(0.0, 0.0, 1.0)))
+    parts.tube("carry", dark, arc, [(0.014, 0.007)] * 11, segments=8, up=(0.0, 0.0, 1.0))
     z = BASE_M + 0.5 * h
     arc = [(0.5 * w - 0.006 + 0.030 * sin(a), -0.02, z + 0.085 * cos(a)) for a in turns]
-    parts.append(mesh.tube(f"{name}_carry_side", arc, [(0.014, 0.007)] * 11, segments=8, up=(1.0, 0.0, 0.0)))
-    return [mesh.set_material(part, dark) for part in parts]
+    parts.tube("carry_side", dark, arc, [(0.014, 0.007)] * 11, segments=8, up=(1.0, 0.0, 0.0))
+    return parts
 
 
 def _handle(
     name: str, dark: bpy.types.Material, chrome: bpy.types.Material, grip_z: float, back: float, top: float
 ) -> list[bpy.types.Object]:
-    parts = []
+    parts = Parts(name)
     for x in (-0.075, 0.075):
-        rod = mesh.tube(f"{name}_rod", [(x, back, top - 0.05), (x, back, grip_z)], 0.0085, segments=10)
-        parts.append(mesh.set_material(rod, chrome))
-        collar = mesh.cylinder(f"{name}_collar", 0.017, 0.02, 12, 0.004)
-        parts.append(mesh.set_material(mesh.move(collar, x, back, top - 0.006), dark))
-    bar = mesh.tube(
-        f"{name}_bar",
+        parts.tube("rod", chrome, [(x, back, top - 0.05), (x, back, grip_z)], 0.0085, segments=10)
+        parts.cylinder("collar", dark, 0.017, 0.02, 12, 0.004, x=x, y=back, z=top - 0.006)
+    parts.tube(
+        "bar",
+        dark,
         [(-0.095, back, grip_z), (-0.06, back, grip_z), (0.06, back, grip_z), (0.095, back, grip_z)],
         [(0.012, 0.012), (0.0145, 0.0145), (0.0145, 0.0145), (0.012, 0.012)],
         segments=12,
     )
-    return [*parts, mesh.set_material(bar, dark)]
+    return parts
 
 
 def _pockets(
@@ -234,26 +234,26 @@ def _pockets(
     piping = products.woven_cloth(
         f"{name}_piping", products.scaled(COLOURS[look.colour], 0.35), rng, threads_per_m=300.0
     )
-    parts = []
+    parts = Parts(name)
     for low, tall in ((0.07, 0.44), (0.58, 0.32)):
-        pocket = mesh.bevel_box(f"{name}_pocket", (0.80 * w, 0.06, tall * h), 0.028, 4)
-        mesh.move(pocket, 0.0, -0.5 * d - 0.004, BASE_M + low * h)
-        parts.append(mesh.set_material(pocket, cloth))
+        parts.box(
+            "pocket", cloth, (0.80 * w, 0.06, tall * h), 0.028, 4, y=-0.5 * d - 0.004, z=BASE_M + low * h
+        )
         line = [
             (x * w, -0.5 * d - 0.035, BASE_M + (low + tall) * h - 0.03) for x in (-0.36, -0.12, 0.12, 0.36)
         ]
-        parts.append(mesh.set_material(mesh.tube(f"{name}_zip", line, 0.005, segments=6), piping))
+        parts.tube("zip", piping, line, 0.005, segments=6)
     for y in (-0.5 * d + 0.030, 0.5 * d - 0.030):
         ring = _outline(w + 0.004, h + 0.004, 0.052, 0.0, 72)
-        cord = mesh.tube(
-            f"{name}_cord",
+        parts.tube(
+            "cord",
+            piping,
             [(p.x, y, BASE_M + 0.5 * h + p.y) for p in ring],
             0.0065,
             segments=6,
             cap=False,
             closed=True,
         )
-        parts.append(mesh.set_material(cord, piping))
     return parts
 
 
@@ -276,7 +276,7 @@ def _strap(
 def _stickers(name: str, rng: random.Random, look: CaseLook, d: float, h: float) -> list[bpy.types.Object]:
     """Round and square travel stickers on the front."""
     spots = [(-0.09, 0.70), (0.08, 0.50), (-0.07, 0.30), (0.10, 0.80), (0.03, 0.22)]
-    parts = []
+    parts = Parts(name)
     for k, (colour, (x, z)) in enumerate(zip(look.stickers, spots)):
         if k % 2:
             label = mesh.bevel_box(f"{name}_sticker", (0.11, 0.0024, 0.075), 0.001, 1)
@@ -287,7 +287,7 @@ def _stickers(name: str, rng: random.Random, look: CaseLook, d: float, h: float)
         print_ = principled(
             f"{name}_sticker", COLOURS[colour], roughness=0.5, variation=0.5, variation_scale=40
         )
-        parts.append(mesh.set_material(label, print_))
+        parts.add(label, print_)
     return parts
 
 
@@ -295,13 +295,13 @@ def _axle(name: str, rng: random.Random, w: float) -> bpy.types.Object:
     """Two wheels on one axle along X, round its own origin."""
     rubber = products.rubber(f"{name}_rubber", (0.030, 0.030, 0.032), rng)
     hub = products.satin_plastic(f"{name}_hub", (0.16, 0.16, 0.17), rng)
-    parts = []
+    parts = Parts(name)
     for side in (-1.0, 1.0):
         wheel = mesh.cylinder(f"{name}_wheel", WHEEL_RADIUS_M, 0.026, 28, 0.007)
-        parts.append(mesh.set_material(wheel, rubber))
+        parts.add(wheel, rubber)
         boss = mesh.move(mesh.cylinder(f"{name}_boss", 0.020, 0.032, 6, 0.003), z=-0.003)
-        parts.append(mesh.set_material(boss, hub))
+        parts.add(boss, hub)
         for part in (wheel, boss):
             mesh.rotate(mesh.move(part, z=-0.013), "Y", 90.0)
             mesh.move(part, side * (0.5 * w - 0.012))
-    return mesh.join(name, parts)
+    return parts.join()

@@ -17,6 +17,7 @@ from l4d_blender.catalogue import kind
 
 from . import mesh
 from .materials import playground, products
+from .parts import Parts
 
 BEAM_M = 1.92
 SEAT_M = 0.395  # upper side of a seat that hangs still
@@ -65,27 +66,23 @@ def _frame(name: str, rng: random.Random, legs: tuple, beam: tuple) -> bpy.types
     painted = products.lacquer(f"{name}_legs", legs, rng)
     top = products.lacquer(f"{name}_beam", beam, rng)
     foot = products.metal(f"{name}_foot", (0.42, 0.42, 0.41), rng)
-    parts = []
+    parts = Parts(name)
     for s in (-1, 1):
         head = Vector((s * (_BEAM_HALF_M - 0.03), 0.0, BEAM_M + 0.02))
         for y in (-0.62, 0.62):
             end = Vector((s * (_BEAM_HALF_M + 0.13), y, -0.05))
-            parts.append(mesh.set_material(mesh.tube(f"{name}_leg", [end, head], 0.030, 14), painted))
-            shoe = mesh.cylinder(f"{name}_shoe", 0.062, 0.014, 20, bevel_m=0.004)
-            parts.append(mesh.set_material(mesh.move(shoe, end.x * 0.985, y * 0.975), foot))
+            parts.tube("leg", painted, [end, head], 0.030, 14)
+            parts.cylinder("shoe", foot, 0.062, 0.014, 20, bevel_m=0.004, x=end.x * 0.985, y=y * 0.975)
         rung = [Vector((s * (_BEAM_HALF_M + 0.065), y, 0.80)) for y in (-0.355, 0.355)]
-        parts.append(mesh.set_material(mesh.tube(f"{name}_rung", rung, 0.020, 12), painted))
-        knot = mesh.ellipsoid(f"{name}_knot", (0.055, 0.055, 0.055), 20, 12, centre=head)
-        parts.append(mesh.set_material(knot, top))
+        parts.tube("rung", painted, rung, 0.020, 12)
+        parts.ellipsoid("knot", top, (0.055, 0.055, 0.055), 20, 12, centre=head)
     bar = [(-_BEAM_HALF_M - 0.06, 0.0, BEAM_M + 0.045), (_BEAM_HALF_M + 0.06, 0.0, BEAM_M + 0.045)]
-    parts.append(mesh.set_material(mesh.tube(f"{name}_bar", bar, 0.042, 18), top))
+    parts.tube("bar", top, bar, 0.042, 18)
     for x in SEATS_X_M:
         for s in (-1, 1):
             clamp = mesh.cylinder(f"{name}_clamp", 0.050, 0.050, 18, bevel_m=0.006)
-            mesh.rotate(clamp, "Y", 90.0)
-            mesh.move(clamp, x + s * CHAINS_APART_M / 2 - 0.025, 0.0, BEAM_M + 0.045)
-            parts.append(mesh.set_material(clamp, foot))
-    return mesh.join(name, parts)
+            parts.add(clamp, foot, x=x + s * CHAINS_APART_M / 2 - 0.025, z=BEAM_M + 0.045, turn=("Y", 90.0))
+    return parts.join()
 
 
 def _seat(name: str, rng: random.Random) -> bpy.types.Object:

@@ -8,6 +8,7 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind
 from l4d_blender.colour import Colour
 
@@ -26,14 +27,14 @@ def tent(
     fabric = interior.striped_cloth(f"{name}_cloth", (cloth, stripe), rng, period_m=rng.uniform(0.12, 0.3))
     wood = interior.wood(f"{name}_poles", (0.52, 0.38, 0.22), rng, grain_axis="Z")
     corners = [(-half_m, -half_m), (half_m, -half_m), (half_m, half_m), (-half_m, half_m)]
-    small, parts = 0.05, []
+    small, parts = 0.05, Parts(name)
     sides = [
         [(*corners[k], 0.015), (*corners[k + 1 - 4], 0.015), *_top(corners, k, small, height_m)]
         for k in (1, 2, 3)
     ]
     for k, side in enumerate(sides):
         sheet = mesh.from_pydata(f"{name}_side_{k}", side, [(0, 1, 2, 3)], smooth=False)
-        parts.append(mesh.set_material(mesh.solidify(sheet, 0.006, offset=0.0), fabric))
+        parts.add(mesh.solidify(sheet, 0.006, offset=0.0), fabric)
     for sign in (-1, 1):
         flap = [
             (sign * half_m, -half_m, 0.015),
@@ -42,13 +43,12 @@ def tent(
             (sign * small, -small, height_m),
         ]
         sheet = mesh.from_pydata(f"{name}_flap", flap, [(0, 1, 2, 3)], smooth=False)
-        parts.append(mesh.set_material(mesh.solidify(sheet, 0.006, offset=0.0), fabric))
+        parts.add(mesh.solidify(sheet, 0.006, offset=0.0), fabric)
     for x, y in corners:
         lean = -small / half_m
         end = (lean * x * 4.0, lean * y * 4.0, height_m + 0.30)
-        pole = mesh.tube(f"{name}_pole", [(1.03 * x, 1.03 * y, 0.0), end], 0.013, 10)
-        parts.append(mesh.set_material(pole, wood))
-    return mesh.drop_to_base(mesh.join(name, parts))
+        parts.tube("pole", wood, [(1.03 * x, 1.03 * y, 0.0), end], 0.013, 10)
+    return mesh.drop_to_base(parts.join())
 
 
 def _top(

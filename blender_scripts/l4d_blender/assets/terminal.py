@@ -16,6 +16,7 @@ from . import mesh
 from .lettering import lettering
 from .materials import products, street
 from .materials.base import Nodes, emission, principled
+from .parts import Parts, placed
 
 BAY_M = 1.6
 GLASS_M = 3.9  # height of the glazing
@@ -37,20 +38,17 @@ def terminal(name: str, rng: random.Random, *, length_m: float = 38.4) -> list[b
 def _frame(name: str, length_m: float) -> bpy.types.Object:
     steel = street.street_metal(f"{name}_steel", (0.16, 0.17, 0.18))
     frost = principled(f"{name}_frost", (0.55, 0.60, 0.62), roughness=0.6)
-    parts = []
+    parts = Parts(name)
     count = round(length_m / BAY_M)
     for k in range(count + 1):
-        post = mesh.bevel_box(f"{name}_post", (0.07, 0.16, GLASS_M), 0.012, 1)
-        parts.append(mesh.set_material(mesh.move(post, -0.5 * length_m + k * BAY_M), steel))
+        parts.box("post", steel, (0.07, 0.16, GLASS_M), 0.012, 1, x=-0.5 * length_m + k * BAY_M)
     for z, tall in ((0.0, 0.16), (2.45, 0.09), (GLASS_M - 0.1, 0.12)):
-        rail = mesh.bevel_box(f"{name}_rail", (length_m, 0.12, tall), 0.01, 1)
-        parts.append(mesh.set_material(mesh.move(rail, z=z), steel))
+        parts.box("rail", steel, (length_m, 0.12, tall), 0.01, 1, z=z)
     for k in range(count):
         x = -0.5 * length_m + (k + 0.5) * BAY_M
         for z, tall in ((1.05, 0.028), (1.12, 0.028), (1.19, 0.028)):
-            band = mesh.box(f"{name}_band", (BAY_M - 0.10, 0.004, tall))
-            parts.append(mesh.set_material(mesh.move(band, x, 0.0, z), frost))
-    return mesh.join(name, parts)
+            parts.box("band", frost, (BAY_M - 0.10, 0.004, tall), x=x, z=z)
+    return parts.join()
 
 
 def _fascia(name: str, length_m: float) -> bpy.types.Object:
@@ -60,15 +58,14 @@ def _fascia(name: str, length_m: float) -> bpy.types.Object:
     )
     shine = emission(f"{name}_word", (1.0, 0.90, 0.66), 3.0)
     shine.cycles.emission_sampling = "NONE"
-    parts = []
+    parts = Parts(name)
     for k in range(round(length_m / (2 * BAY_M))):
         x = -0.5 * length_m + (2 * k + 1) * BAY_M
-        sheet = mesh.bevel_box(f"{name}_sheet", (2 * BAY_M - 0.02, 0.35, FASCIA_M), 0.02, 2)
-        parts.append(mesh.set_material(mesh.move(sheet, x, -0.05, GLASS_M), panel))
+        parts.box("sheet", panel, (2 * BAY_M - 0.02, 0.35, FASCIA_M), 0.02, 2, x=x, y=-0.05, z=GLASS_M)
     for x in (-7.5, 0.6, 8.6):
         word = mesh.rotate(lettering(f"{name}_word", "DEPARTURES", 0.42, bold_m=0.012), "X", 90.0)
-        parts.append(mesh.set_material(mesh.move(word, x, -0.24, GLASS_M + 0.62), shine))
-    return mesh.join(name, parts)
+        parts.add(word, shine, x=x, y=-0.24, z=GLASS_M + 0.62)
+    return parts.join()
 
 
 def _hall(name: str, rng: random.Random, length_m: float) -> bpy.types.Object:
@@ -81,25 +78,17 @@ def _hall(name: str, rng: random.Random, length_m: float) -> bpy.types.Object:
     )
     strip = emission(f"{name}_strip", (1.0, 0.93, 0.80), 5.0)
     strip.cycles.emission_sampling = "NONE"
-    parts = [
-        mesh.set_material(
-            mesh.move(mesh.box(f"{name}_floor", (length_m, HALL_M, 0.02)), 0, 0.5 * HALL_M), floor
-        ),
-        mesh.set_material(mesh.move(mesh.box(f"{name}_wall", (length_m, 0.2, 4.0)), 0, HALL_M), wall),
-        mesh.set_material(
-            mesh.move(mesh.box(f"{name}_ceiling", (length_m, HALL_M, 0.1)), 0, 0.5 * HALL_M, GLASS_M), white
-        ),
-    ]
+    parts = Parts(name)
+    parts.box("floor", floor, (length_m, HALL_M, 0.02), y=0.5 * HALL_M)
+    parts.box("wall", wall, (length_m, 0.2, 4.0), y=HALL_M)
+    parts.box("ceiling", white, (length_m, HALL_M, 0.1), y=0.5 * HALL_M, z=GLASS_M)
     for side in (-0.5, 0.5):
-        end = mesh.move(mesh.box(f"{name}_end", (0.2, HALL_M, 4.0)), side * length_m, 0.5 * HALL_M)
-        parts.append(mesh.set_material(end, white))
+        parts.box("end", white, (0.2, HALL_M, 4.0), x=side * length_m, y=0.5 * HALL_M)
     for k in range(9):
-        column = mesh.cylinder(f"{name}_column", 0.24, GLASS_M, 24)
-        parts.append(mesh.set_material(mesh.move(column, -19.0 + 4.8 * k, 2.7), white))
+        parts.cylinder("column", white, 0.24, GLASS_M, 24, x=-19.0 + 4.8 * k, y=2.7)
     for y in (1.4, 4.1, 6.6):
-        lamp = mesh.move(mesh.box(f"{name}_lamp", (length_m - 1.0, 0.16, 0.03)), 0.0, y, GLASS_M - 0.04)
-        parts.append(mesh.set_material(lamp, strip))
-    return mesh.join(name, parts)
+        parts.box("lamp", strip, (length_m - 1.0, 0.16, 0.03), y=y, z=GLASS_M - 0.04)
+    return parts.join()
 
 
 def _desks(name: str, rng: random.Random, length_m: float) -> list[bpy.types.Object]:
@@ -112,9 +101,9 @@ def _desks(name: str, rng: random.Random, length_m: float) -> list[bpy.types.Obj
     for k in range(count):
         x = -0.5 * length_m + 3.2 * (k + 0.5)
         desk = mesh.bevel_box(f"{name}_desk", (1.7, 0.6, 1.08), 0.03, 2)
-        parts.append(mesh.set_material(mesh.move(desk, x, 5.6), front))
+        parts.append(placed(desk, front, x=x, y=5.6))
         slab = mesh.bevel_box(f"{name}_slab", (1.85, 0.74, 0.05), 0.012, 1)
-        parts.append(mesh.set_material(mesh.move(slab, x, 5.6, 1.08), top))
+        parts.append(placed(slab, top, x=x, y=5.6, z=1.08))
         screen = mesh.move(mesh.bevel_box(f"{name}_screen", (1.5, 0.08, 0.46), 0.02, 1), x, 5.9, 2.25)
         boards.append(mesh.set_material(screen, board))
     return [mesh.join(name, parts), mesh.join(f"{name}_boards", boards)]

@@ -13,6 +13,7 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind
 from l4d_blender.colour import Colour
 
@@ -45,13 +46,12 @@ def toy_car(
     mesh.shade_smooth(body, 32.0)
     enamel = products.lacquer(f"{name}_paint", paint, rng)
     beech = products.wood(f"{name}_beech", (0.58, 0.40, 0.23), (0.42, 0.26, 0.13), rng, grain_axis="X")
-    parts = [mesh.set_material(body, enamel)]
+    parts = Parts(name)
+    parts.add(body, enamel)
 
-    window = mesh.bevel_box(f"{name}_window", (2 * half + 0.0016, 0.024, 0.010), 0.002)
     glass = products.lacquer(f"{name}_glass", (0.30, 0.42, 0.46), rng)
-    parts.append(mesh.set_material(mesh.move(window, y=0.003, z=0.037), glass))
-    head = mesh.ellipsoid(f"{name}_head", (0.0105, 0.0105, 0.0115), 20, 14, centre=(0.0, 0.006, 0.060))
-    parts.append(mesh.set_material(head, beech))
+    parts.box("window", glass, (2 * half + 0.0016, 0.024, 0.010), 0.002, y=0.003, z=0.037)
+    parts.ellipsoid("head", beech, (0.0105, 0.0105, 0.0115), 20, 14, centre=(0.0, 0.006, 0.060))
 
     tyre = products.lacquer(f"{name}_tyre", wheels, rng)
     for y in (-0.033, 0.033):
@@ -59,8 +59,6 @@ def toy_car(
             at = Matrix.Translation((side * (half + 0.0015), y, WHEEL_M)) @ Matrix.Rotation(
                 side * pi / 2, 4, "Y"
             )
-            wheel = mesh.cylinder(f"{name}_wheel", WHEEL_M, 0.010, 28, bevel_m=0.0025)
-            hub = mesh.ellipsoid(f"{name}_hub", (0.005, 0.005, 0.003), 16, 8, centre=(0.0, 0.0, 0.010))
-            parts.append(mesh.set_material(mesh.transform(wheel, at), tyre))
-            parts.append(mesh.set_material(mesh.transform(hub, at), beech))
-    return mesh.join(name, parts)
+            parts.cylinder("wheel", tyre, WHEEL_M, 0.010, 28, bevel_m=0.0025, within=at)
+            parts.ellipsoid("hub", beech, (0.005, 0.005, 0.003), 16, 8, centre=(0.0, 0.0, 0.010), within=at)
+    return parts.join()

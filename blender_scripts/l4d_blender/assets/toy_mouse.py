@@ -11,6 +11,7 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind
 
 
@@ -41,8 +42,8 @@ def toy_mouse(
                 for a in (2 * math.pi * k / 20 for k in range(20))
             ]
         )
-    body = mesh.subdivide(mesh.loft(f"{name}_body", sections), 1)
-    parts = [mesh.set_material(body, plush)]
+    parts = Parts(name)
+    parts.add(mesh.subdivide(mesh.loft("body", sections), 1), plush)
     for side in (-1, 1):
         ear = mesh.ellipsoid(f"{name}_ear", (s * 0.030, s * 0.006, s * 0.031), 20, 12)
         lining = mesh.move(
@@ -50,15 +51,11 @@ def toy_mouse(
         )
         both = mesh.join(f"{name}_ear", [mesh.set_material(ear, plush), mesh.set_material(lining, pink)])
         both = mesh.rotate(mesh.rotate(both, "X", -14), "Z", 24 * side)
-        parts.append(mesh.move(both, x=side * s * 0.036, y=-s * 0.028, z=s * 0.098))
-        eye = mesh.ellipsoid(
-            f"{name}_eye", (s * 0.0075,) * 3, 12, 8, centre=(side * s * 0.021, -s * 0.074, s * 0.068)
+        parts.add(both, x=side * s * 0.036, y=-s * 0.028, z=s * 0.098)
+        parts.ellipsoid(
+            "eye", black, (s * 0.0075,) * 3, 12, 8, centre=(side * s * 0.021, -s * 0.074, s * 0.068)
         )
-        parts.append(mesh.set_material(eye, black))
-    nose = mesh.ellipsoid(
-        f"{name}_nose", (s * 0.010, s * 0.009, s * 0.009), 12, 8, centre=(0, -s * 0.101, s * 0.046)
-    )
-    parts.append(mesh.set_material(nose, pink))
+    parts.ellipsoid("nose", pink, (s * 0.010, s * 0.009, s * 0.009), 12, 8, centre=(0, -s * 0.101, s * 0.046))
     line = [
         (0, s * 0.095, s * 0.03),
         (s * 0.012, s * 0.125, s * 0.012),
@@ -66,9 +63,5 @@ def toy_mouse(
         (s * 0.085, s * 0.150, s * 0.008),
         (s * 0.105, s * 0.120, s * 0.008),
     ]
-    parts.append(
-        mesh.set_material(
-            mesh.tube(f"{name}_tail", line, [s * r for r in (0.008, 0.0075, 0.007, 0.0065, 0.006)], 8), cord
-        )
-    )
-    return mesh.drop_to_base(mesh.join(name, parts))
+    parts.tube("tail", cord, line, [s * r for r in (0.008, 0.0075, 0.007, 0.0065, 0.006)], 8)
+    return mesh.drop_to_base(parts.join())

@@ -14,6 +14,7 @@ from mathutils import Matrix
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 from l4d_blender.colour import Colour
 
@@ -36,23 +37,20 @@ def toy_ramp(
     yellow = products.lacquer(f"{name}_trim", trim, rng)
 
     deck = mesh.bevel_box(f"{name}_deck", (WIDTH_M, BACK_Y_M - EDGE_Y_M, BOARD_M), 0.0012)
-    parts = [
-        mesh.set_material(mesh.move(deck, y=0.5 * (BACK_Y_M + EDGE_Y_M), z=HEIGHT_M - BOARD_M), board),
-        mesh.set_material(_chute(f"{name}_chute"), board),
-    ]
+    parts = Parts(name)
+    parts.add(deck, board, y=0.5 * (BACK_Y_M + EDGE_Y_M), z=HEIGHT_M - BOARD_M)
+    parts.add(_chute(f"{name}_chute"), board)
     for side in (-1.0, 1.0):
         x = side * (0.5 * WIDTH_M + 0.003)
-        parts.append(mesh.set_material(mesh.move(_rail(f"{name}_rail"), x=x), green))
+        parts.add(_rail(f"{name}_rail"), green, x=x)
         for y in (BACK_Y_M - 0.014, EDGE_Y_M + 0.012):
             post = mesh.bevel_box(f"{name}_post", (0.014, 0.014, HEIGHT_M + 0.012), 0.003)
-            parts.append(mesh.set_material(mesh.move(post, x=side * (0.5 * WIDTH_M + 0.011), y=y), yellow))
+            parts.add(post, yellow, x=side * (0.5 * WIDTH_M + 0.011), y=y)
             knob = mesh.ellipsoid(f"{name}_knob", (0.0085, 0.0085, 0.0085), 16, 10)
-            mesh.move(knob, x=side * (0.5 * WIDTH_M + 0.011), y=y, z=HEIGHT_M + 0.018)
-            parts.append(mesh.set_material(knob, green))
+            parts.add(knob, green, x=side * (0.5 * WIDTH_M + 0.011), y=y, z=HEIGHT_M + 0.018)
     for y in (BACK_Y_M - 0.014, EDGE_Y_M + 0.012):
-        brace = mesh.bevel_box(f"{name}_brace", (WIDTH_M + 0.014, 0.010, 0.014), 0.002)
-        parts.append(mesh.set_material(mesh.move(brace, y=y, z=0.030), green))
-    return mesh.join(name, parts)
+        parts.box("brace", green, (WIDTH_M + 0.014, 0.010, 0.014), 0.002, y=y, z=0.030)
+    return parts.join()
 
 
 def _chute(name: str) -> bpy.types.Object:

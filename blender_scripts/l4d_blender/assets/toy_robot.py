@@ -16,6 +16,7 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import Choice, colours, kind, words
 from l4d_blender.colour import Colour
 
@@ -111,30 +112,24 @@ def printed_tin(name: str, colour: Colour, rng: random.Random) -> bpy.types.Mate
 
 
 def _torso(name: str, tin, trim, steel) -> list[bpy.types.Object]:
-    chest = mesh.bevel_box(f"{name}_chest", (0.066, 0.046, 0.058), 0.005)
-    mesh.move(chest, z=HIP_M + 0.002)
-    belt = mesh.bevel_box(f"{name}_belt", (0.069, 0.049, 0.009), 0.002)
-    collar = mesh.cylinder(f"{name}_collar", 0.013, 0.010, 24)
-    parts = [
-        mesh.set_material(chest, tin),
-        mesh.set_material(mesh.move(belt, z=HIP_M), trim),
-        mesh.set_material(mesh.move(collar, z=0.098), steel),
-    ]
+    parts = Parts(name)
+    parts.box("chest", tin, (0.066, 0.046, 0.058), 0.005, z=HIP_M + 0.002)
+    parts.box("belt", trim, (0.069, 0.049, 0.009), 0.002, z=HIP_M)
+    parts.cylinder("collar", steel, 0.013, 0.010, 24, z=0.098)
     for x in (-0.028, 0.028):
         for z in (0.054, 0.093):
-            rivet = mesh.ellipsoid(f"{name}_rivet", (0.0021, 0.0014, 0.0021), 10, 6, centre=(x, -0.0232, z))
-            parts.append(mesh.set_material(rivet, steel))
+            parts.ellipsoid("rivet", steel, (0.0021, 0.0014, 0.0021), 10, 6, centre=(x, -0.0232, z))
     return parts
 
 
 def _chest(name: str, look: Look, trim, steel, dark, rng: random.Random) -> list[bpy.types.Object]:
     """What is printed or mounted on the front of the torso."""
     front = Matrix.Translation((0.0, -0.0228, 0.075)) @ Matrix.Rotation(pi / 2, 4, "X")
-    parts: list[bpy.types.Object] = []
+    parts = Parts(name)
 
     def mount(part: bpy.types.Object, material: bpy.types.Material, x: float = 0.0, y: float = 0.0) -> None:
         mesh.transform(part, front @ Matrix.Translation((x, y, 0.0)))
-        parts.append(mesh.set_material(part, material))
+        parts.add(part, material)
 
     paper = products.lacquer(f"{name}_face", (0.74, 0.70, 0.58), rng)
     if look.chest == "dial":
@@ -174,26 +169,22 @@ def gear(name: str, radius: float, height: float) -> bpy.types.Object:
 
 def _head(name: str, look: Look, tin, trim, steel, dark, glow) -> list[bpy.types.Object]:
     """A box with lamp eyes, a grille, ears, and perhaps an aerial."""
-    skull = mesh.bevel_box(f"{name}_head", (0.044, 0.038, 0.033), 0.006)
-    parts = [mesh.set_material(mesh.move(skull, z=0.106), tin)]
+    parts = Parts(name)
+    parts.box("head", tin, (0.044, 0.038, 0.033), 0.006, z=0.106)
     for side in (-1.0, 1.0):
         for radius, length, material in ((0.0072, 0.0030, steel), (0.0052, 0.0042, glow)):
             eye = mesh.cylinder(f"{name}_eye", radius, length, 24, bevel_m=0.0006)
-            mesh.rotate(eye, "X", 90.0)
-            mesh.move(eye, x=side * 0.0105, y=-0.0185, z=0.1265)
-            parts.append(mesh.set_material(eye, material))
-        ear = mesh.cylinder(f"{name}_ear", 0.0085, 0.006, 24, bevel_m=0.001)
-        mesh.rotate(ear, "Y", 90.0 * side)
-        parts.append(mesh.set_material(mesh.move(ear, x=side * 0.0215, z=0.122), trim))
-    mouth = mesh.bevel_box(f"{name}_mouth", (0.024, 0.003, 0.0072), 0.0008, segments=1)
-    parts.append(mesh.set_material(mesh.move(mouth, y=-0.0185, z=0.1105), dark))
+            parts.add(eye, material, x=side * 0.0105, y=-0.0185, z=0.1265, turn=("X", 90.0))
+        parts.cylinder(
+            "ear", trim, 0.0085, 0.006, 24, bevel_m=0.001, x=side * 0.0215, z=0.122, turn=("Y", 90.0 * side)
+        )
+    parts.box("mouth", dark, (0.024, 0.003, 0.0072), 0.0008, segments=1, y=-0.0185, z=0.1105)
     for k in range(4):
         tooth = mesh.bevel_box(f"{name}_tooth", (0.0022, 0.0036, 0.0058), 0.0004, segments=1)
-        parts.append(mesh.set_material(mesh.move(tooth, x=-0.0084 + 0.0056 * k, y=-0.0187, z=0.1112), steel))
+        parts.add(tooth, steel, x=-0.0084 + 0.0056 * k, y=-0.0187, z=0.1112)
     if look.aerial:
-        rod = mesh.cylinder(f"{name}_aerial", 0.0016, 0.026, 10)
-        ball = mesh.ellipsoid(f"{name}_tip", (0.0048, 0.0048, 0.0048), 16, 10, centre=(0.0, 0.0, 0.166))
-        parts += [mesh.set_material(mesh.move(rod, z=0.138), steel), mesh.set_material(ball, trim)]
+        parts.cylinder("aerial", steel, 0.0016, 0.026, 10, z=0.138)
+        parts.ellipsoid("tip", trim, (0.0048, 0.0048, 0.0048), 16, 10, centre=(0.0, 0.0, 0.166))
     return parts
 
 
@@ -226,28 +217,21 @@ def _front_arc(radius: float, angle: float) -> tuple[float, float]:
 def _leg(name: str, side: float, tin, steel, dark) -> bpy.types.Object:
     """A leg that reaches into the torso, on a heavy foot."""
     x = side * STANCE_M
-    shank = mesh.bevel_box(f"{name}_shank", (0.024, 0.030, 0.046), 0.003)
-    foot = mesh.bevel_box(f"{name}_foot", (0.034, 0.054, 0.017), 0.005)
-    sole = mesh.bevel_box(f"{name}_sole", (0.035, 0.055, 0.005), 0.001)
-    cuff = mesh.bevel_box(f"{name}_cuff", (0.026, 0.032, 0.005), 0.0015)
-    return mesh.join(
-        name,
-        [
-            mesh.set_material(mesh.move(shank, x=x, z=0.012), tin),
-            mesh.set_material(mesh.move(foot, x=x, y=-0.006, z=0.002), tin),
-            mesh.set_material(mesh.move(sole, x=x, y=-0.006), dark),
-            mesh.set_material(mesh.move(cuff, x=x, z=0.022), steel),
-        ],
-    )
+    parts = Parts(name)
+    parts.box("shank", tin, (0.024, 0.030, 0.046), 0.003, x=x, z=0.012)
+    parts.box("foot", tin, (0.034, 0.054, 0.017), 0.005, x=x, y=-0.006, z=0.002)
+    parts.box("sole", dark, (0.035, 0.055, 0.005), 0.001, x=x, y=-0.006)
+    parts.box("cuff", steel, (0.026, 0.032, 0.005), 0.0015, x=x, z=0.022)
+    return parts.join()
 
 
 def _key(name: str, steel) -> bpy.types.Object:
     """A butterfly key whose shaft lies along Y, its origin where the shaft enters the back."""
     shaft = mesh.cylinder(f"{name}_shaft", 0.0028, 0.022, 14)
     mesh.move(mesh.rotate(shaft, "X", -90.0), y=-0.008)
-    wings = []
+    wings = Parts(name)
     for side in (-1.0, 1.0):
         wing = mesh.torus(f"{name}_wing", 0.0092, 0.0028, 24, 8)
         mesh.transform(wing, Matrix.Diagonal((1.0, 0.82, 1.0, 1.0)))
-        wings.append(mesh.move(mesh.rotate(wing, "X", 90.0), x=side * 0.0105, y=0.014))
+        wings.add(wing, x=side * 0.0105, y=0.014, turn=("X", 90.0))
     return mesh.set_material(mesh.join(name, [shaft, *wings]), steel)

@@ -11,6 +11,7 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 from l4d_blender.colour import Colour
 
@@ -32,12 +33,11 @@ def tray(
     floor = products.wood(f"{name}_floor", light, dark, rng, grain_axis="X", stave_m=0.07, stave_length_m=0.9)
     rim = products.wood(f"{name}_rim", products.scaled(light, 0.8), dark, rng, grain_axis="X")
     brass = products.metal(f"{name}_brass", (0.62, 0.42, 0.16), rng)
-    parts = [mesh.set_material(mesh.bevel_box(f"{name}_board", (length, depth, TRAY_M), 0.002, 2), floor)]
+    parts = Parts(name)
+    parts.box("board", floor, (length, depth, TRAY_M), 0.002, 2)
     for sign in (-1, 1):
-        long_side = mesh.bevel_box(f"{name}_side", (length + 0.014, 0.010, 0.028), 0.003, 3)
-        short_side = mesh.bevel_box(f"{name}_end", (0.010, depth + 0.014, 0.028), 0.003, 3)
-        parts.append(mesh.set_material(mesh.move(long_side, y=sign * (0.5 * depth + 0.002)), rim))
-        parts.append(mesh.set_material(mesh.move(short_side, x=sign * (0.5 * length + 0.002)), rim))
+        parts.box("side", rim, (length + 0.014, 0.010, 0.028), 0.003, 3, y=sign * (0.5 * depth + 0.002))
+        parts.box("end", rim, (0.010, depth + 0.014, 0.028), 0.003, 3, x=sign * (0.5 * length + 0.002))
         out = sign * (0.5 * length + 0.006)
         grip = mesh.tube(
             f"{name}_grip",
@@ -51,8 +51,8 @@ def tray(
             0.0042,
             12,
         )
-        parts.append(mesh.set_material(mesh.subdivide(grip, 1), brass))
-    return mesh.join(name, parts)
+        parts.add(mesh.subdivide(grip, 1), brass)
+    return parts.join()
 
 
 @kind("trivet", (0.165, 0.165, 0.014), "surface")
@@ -66,11 +66,10 @@ def trivet(
 ) -> bpy.types.Object:
     """Six slats on two cross bars, square."""
     wood = products.wood(f"{name}_wood", light, dark, rng, grain_axis="X")
-    parts = []
+    parts = Parts(name)
     for k in range(6):
         slat = mesh.bevel_box(f"{name}_slat", (size_m, 0.72 * size_m / 6, 0.008), 0.002, 2)
-        parts.append(mesh.move(slat, y=size_m * ((k + 0.5) / 6 - 0.5), z=TRIVET_M - 0.008))
+        parts.add(slat, wood, y=size_m * ((k + 0.5) / 6 - 0.5), z=TRIVET_M - 0.008)
     for sign in (-1, 1):
-        bar = mesh.bevel_box(f"{name}_bar", (0.018, size_m, 0.0065), 0.0015, 2)
-        parts.append(mesh.move(bar, x=0.3 * sign * size_m))
-    return mesh.join(name, [mesh.set_material(part, wood) for part in parts])
+        parts.box("bar", wood, (0.018, size_m, 0.0065), 0.0015, 2, x=0.3 * sign * size_m)
+    return parts.join()

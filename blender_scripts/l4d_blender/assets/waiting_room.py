@@ -15,6 +15,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 from l4d_blender.colour import Colour
 
@@ -90,12 +91,12 @@ def door(name: str, rng: random.Random, *, leaf: Colour = (0.3, 0.165, 0.075)) -
     frame = products.lacquer(f"{name}_frame", (0.62, 0.58, 0.48), rng)
     brass = products.metal(f"{name}_brass", (0.62, 0.46, 0.20), rng, roughness=0.25)
     pane = products.glow(f"{name}_pane", (0.74, 0.80, 0.78), 0.55)
-    parts: list[bpy.types.Object] = []
+    parts = Parts(name)
 
     def block(
         size: tuple[float, float, float], at: tuple[float, float, float], material: bpy.types.Material
     ) -> None:
-        parts.append(mesh.set_material(mesh.move(mesh.bevel_box(f"{name}_part", size, 0.006), *at), material))
+        parts.add(mesh.move(mesh.bevel_box(f"{name}_part", size, 0.006), *at), material)
 
     for side in (-1, 1):
         block((0.10, 0.07, 2.12), (0.50 * side, -0.02, 0.0), frame)
@@ -107,17 +108,13 @@ def door(name: str, rng: random.Random, *, leaf: Colour = (0.3, 0.165, 0.075)) -
     block((0.52, 0.02, 0.60), (0.0, -0.020, 0.32), wood)
     block((0.66, 0.012, 0.79), (0.0, -0.008, 1.11), pane)
     block((0.05, 0.012, 0.20), (0.385, -0.042, 0.95), brass)
-    lever = mesh.tube(
-        f"{name}_lever",
-        [(0.385, -0.04, 1.06), (0.385, -0.085, 1.06), (0.28, -0.09, 1.06)],
-        0.009,
-        segments=10,
+    parts.tube(
+        "lever", brass, [(0.385, -0.04, 1.06), (0.385, -0.085, 1.06), (0.28, -0.09, 1.06)], 0.009, segments=10
     )
-    parts.append(mesh.set_material(lever, brass))
     word = mesh.rotate(lettering(f"{name}_word", "ROOM 2", 0.085, bold_m=0.001), "X", 90.0)
     ink = products.satin_plastic(f"{name}_ink", (0.05, 0.06, 0.06), rng)
-    parts.append(mesh.set_material(mesh.move(word, 0.0, -0.0155, 1.55), ink))
-    return mesh.join(name, parts)
+    parts.add(word, ink, y=-0.0155, z=1.55)
+    return parts.join()
 
 
 @kind("poster", (0.5, 0.007, 0.7), "hangs", front="-y")
@@ -132,41 +129,39 @@ def poster(
 ) -> bpy.types.Object:
     """A poster with a big figure, a title and lines of print; the wall is y = 0, its lower edge z = 0."""
     width, height = size_m
-    sheet = mesh.box(f"{name}_sheet", (width, 0.004, height))
-    parts = [mesh.set_material(mesh.move(sheet, y=-0.004), products.paper(f"{name}_paper", paper, rng))]
+    parts = Parts(name)
+    parts.box("sheet", products.paper(f"{name}_paper", paper, rng), (width, 0.004, height), y=-0.004)
     tone = products.paper(f"{name}_figure", figure, rng)
     disc = mesh.cylinder(f"{name}_disc", 0.30 * width, 0.001, 40)
     mesh.move(mesh.rotate(disc, "X", 90.0), 0.0, -0.0062, 0.62 * height)
-    parts.append(mesh.set_material(disc, tone))
+    parts.add(disc, tone)
     white = products.paper(f"{name}_white", products.scaled(paper, 1.5), rng)
     for angle in (0.0, 0.5 * pi):
         bar = mesh.box(f"{name}_bar", (0.34 * width, 0.001, 0.085 * width))
         mesh.transform(bar, Matrix.Rotation(angle, 4, "Y") @ Matrix.Translation((0, 0, -0.0425 * width)))
-        parts.append(mesh.set_material(mesh.move(bar, 0.0, -0.0078 - 0.0003 * angle, 0.62 * height), white))
+        parts.add(bar, white, y=-0.0078 - 0.0003 * angle, z=0.62 * height)
     ink = products.paper(f"{name}_ink", (0.07, 0.08, 0.09), rng)
     word = mesh.rotate(lettering(f"{name}_word", title, 0.075, bold_m=0.001), "X", 90.0)
-    parts.append(mesh.set_material(mesh.move(word, 0.0, -0.0068, 0.28 * height), ink))
+    parts.add(word, ink, y=-0.0068, z=0.28 * height)
     for k in range(4):
         wide = width * rng.uniform(0.5, 0.76)
-        line = mesh.box(f"{name}_line", (wide, 0.001, 0.010))
-        parts.append(mesh.set_material(mesh.move(line, 0.0, -0.0055, (0.19 - 0.038 * k) * height), ink))
-    return mesh.join(name, parts)
+        parts.box("line", ink, (wide, 0.001, 0.010), y=-0.0055, z=(0.19 - 0.038 * k) * height)
+    return parts.join()
 
 
 @kind("clock", (0.358, 0.028, 0.358), "hangs", front="-y")
 def clock(name: str, rng: random.Random) -> bpy.types.Object:
     """A station clock 34 cm across; the wall is y = 0, its middle at the origin."""
-    rim = mesh.rotate(mesh.torus(f"{name}_rim", 0.165, 0.014, 48, 12), "X", 90.0)
     face = mesh.rotate(mesh.cylinder(f"{name}_face", 0.16, 0.012, 48), "X", 90.0)
     black = products.satin_plastic(f"{name}_black", (0.02, 0.02, 0.022), rng)
-    parts = [
-        mesh.set_material(mesh.move(rim, y=-0.014), black),
-        mesh.set_material(face, products.satin_plastic(f"{name}_white", (0.74, 0.73, 0.69), rng)),
-    ]
+    parts = Parts(name)
+    parts.torus("rim", black, 0.165, 0.014, 48, 12, y=-0.014, turn=("X", 90.0))
+    parts.add(face, products.satin_plastic(f"{name}_white", (0.74, 0.73, 0.69), rng))
     marks = [(2 * pi * k / 12, 0.118, 0.024, 0.007) for k in range(12)]
     marks += [(-1.05, -0.01, 0.095, 0.012), (2.2, -0.015, 0.135, 0.008)]
     for turn, inner, long, wide in marks:
         bar = mesh.box(f"{name}_mark", (wide, 0.002, long))
-        mesh.transform(bar, Matrix.Rotation(turn, 4, "Y") @ Matrix.Translation((0.0, -0.0145, inner)))
-        parts.append(mesh.set_material(bar, black))
-    return mesh.join(name, parts)
+        parts.add(
+            bar, black, within=Matrix.Rotation(turn, 4, "Y") @ Matrix.Translation((0.0, -0.0145, inner))
+        )
+    return parts.join()

@@ -12,6 +12,7 @@ from l4d_blender.catalogue import kind
 
 from . import mesh
 from .materials import outdoors
+from .parts import placed
 
 RING_RADIUS_M = 0.60
 RING_HEIGHT_M = 0.74
@@ -115,9 +116,7 @@ def well(name: str, rng: random.Random) -> bpy.types.Object:
     iron = outdoors.wrought_iron(f"{name}_iron")
     parts = _ring(name, rng)
     for side in (-1.0, 1.0):
-        post = mesh.bevel_box(f"{name}_post", (0.095, 0.095, 1.72), 0.012, 2)
-        mesh.move(post, x=side * 0.53)
-        mesh.set_material(post, timber)
+        post = placed(mesh.bevel_box(f"{name}_post", (0.095, 0.095, 1.72), 0.012, 2), timber, x=side * 0.53)
         parts.append(post)
         for slope in (-1.0, 1.0):
             rafter = mesh.bevel_box(f"{name}_rafter", (0.06, 0.70, 0.06), 0.008, 2)
@@ -159,8 +158,7 @@ def well(name: str, rng: random.Random) -> bpy.types.Object:
         (0.73, -0.02, 0.92),
         (0.90, -0.02, 0.92),
     ]
-    crank = mesh.tube(f"{name}_crank", [Vector(p) for p in crank_points], 0.016, 8)
-    mesh.set_material(crank, iron)
+    crank = mesh.set_material(mesh.tube(f"{name}_crank", [Vector(p) for p in crank_points], 0.016, 8), iron)
     parts += [drum, *coils, hanging, crank]
     parts += _roof(name, rng, eaves_z=1.68, ridge_z=2.10, half_x=0.74, half_y=0.60)
     return mesh.join(name, parts)

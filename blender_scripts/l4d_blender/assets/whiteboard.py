@@ -16,6 +16,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind
 from l4d_blender.colour import Colour
 
@@ -34,20 +35,18 @@ def whiteboard(name: str, rng: random.Random) -> list[bpy.types.Object]:
     enamel = principled(
         f"{name}_enamel", (0.82, 0.83, 0.82), roughness=0.22, variation=0.05, variation_scale=3.0
     )
-    sheet = mesh.bevel_box(f"{name}_sheet", (WIDTH_M, 0.03, HEIGHT_M), 0.002)
-    parts = [mesh.set_material(mesh.move(sheet, z=BOTTOM_M), enamel)]
+    parts = Parts(name)
+    parts.box("sheet", enamel, (WIDTH_M, 0.03, HEIGHT_M), 0.002, z=BOTTOM_M)
     for size, x, z in (
         ((WIDTH_M + 0.03, 0.040, 0.025), 0.0, BOTTOM_M - 0.012),
         ((WIDTH_M + 0.03, 0.040, 0.025), 0.0, BOTTOM_M + HEIGHT_M - 0.012),
         ((0.025, 0.040, HEIGHT_M), -0.5 * WIDTH_M, BOTTOM_M),
         ((0.025, 0.040, HEIGHT_M), 0.5 * WIDTH_M, BOTTOM_M),
     ):
-        rail = mesh.bevel_box(f"{name}_rail", size, 0.004)
-        parts.append(mesh.set_material(mesh.move(rail, x=x, z=z), steel))
-    tray = mesh.bevel_box(f"{name}_tray", (0.90, 0.075, 0.010), 0.003)
-    parts.append(mesh.set_material(mesh.move(tray, y=-0.050, z=TRAY_Z_M - 0.010), steel))
+        parts.box("rail", steel, size, 0.004, x=x, z=z)
+    parts.box("tray", steel, (0.90, 0.075, 0.010), 0.003, y=-0.050, z=TRAY_Z_M - 0.010)
     parts += _notes(name, rng)
-    board = mesh.join(name, parts)
+    board = parts.join()
 
     legs = []
     for x in (-0.55, 0.55):
@@ -90,10 +89,9 @@ def marker(name: str, rng: random.Random, *, barrel: Colour = BLUE) -> bpy.types
 def ink(name: str, points: list[Vector], colour: Colour = BLUE) -> list[bpy.types.Object]:
     """A line on the board in board space, one short piece between every two points."""
     felt = principled(f"{name}_ink", colour, roughness=0.5)
-    pieces = []
+    pieces = Parts(name)
     for k, (a, b) in enumerate(zip(points, points[1:])):
-        piece = _stroke(f"{name}_{k}", [a, b])
-        pieces.append(mesh.set_material(piece, felt))
+        pieces.add(_stroke(f"{name}_{k}", [a, b]), felt)
     return pieces
 
 
@@ -122,15 +120,14 @@ def _notes(name: str, rng: random.Random) -> list[bpy.types.Object]:
         "red": principled(f"{name}_red", (0.50, 0.03, 0.03), roughness=0.5),
         "green": principled(f"{name}_green", (0.02, 0.24, 0.08), roughness=0.5),
     }
-    parts = []
+    parts = Parts(name)
 
     def draw(points: list[tuple[float, float]], ink_name: str, width_m: float = INK_M) -> None:
-        ribbon = _stroke(f"{name}_drawn", [Vector((x, y, z)) for x, z in points], width_m)
-        parts.append(mesh.set_material(ribbon, inks[ink_name]))
+        parts.add(_stroke(f"{name}_drawn", [Vector((x, y, z)) for x, z in points], width_m), inks[ink_name])
 
     heading = lettering(f"{name}_heading", "Plan", 0.075, bold_m=0.001)
     mesh.move(mesh.rotate(heading, "X", 90.0), x=-0.50, y=y - 0.0004, z=1.74)
-    parts.append(mesh.set_material(heading, inks["black"]))
+    parts.add(heading, inks["black"])
     draw([(-0.62, 1.685), (-0.36, 1.690)], "red")
     corners = [(-0.64, 1.36), (-0.38, 1.37), (-0.385, 1.52), (-0.635, 1.515), (-0.64, 1.36)]
     draw(corners, "black")
@@ -153,5 +150,5 @@ def _notes(name: str, rng: random.Random) -> list[bpy.types.Object]:
         mesh.transform(note, Matrix.Rotation(rng.uniform(-0.15, 0.15), 4, "Y"))
         colour = ((0.80, 0.60, 0.10), (0.75, 0.30, 0.36), (0.35, 0.60, 0.28))[k]
         paper = products.paper(f"{name}_paper{k}", colour, rng)
-        parts.append(mesh.set_material(mesh.move(note, x=x, y=y - 0.001, z=z), paper))
+        parts.add(note, paper, x=x, y=y - 0.001, z=z)
     return parts

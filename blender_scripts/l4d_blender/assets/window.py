@@ -10,6 +10,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import colours, kind
 
 
@@ -33,12 +34,10 @@ def window(
         smooth=False,
     )
     mesh.set_material(view, interior.daylight_view(f"{name}_daylight", glow, rng))
-    bars = []
+    bars = Parts(name)
 
     def bar(size: tuple[float, float, float], x: float, z: float, y: float = 0.0) -> None:
-        bars.append(
-            mesh.set_material(mesh.move(mesh.bevel_box(f"{name}_bar", size, 0.006), x=x, y=y, z=z), paint)
-        )
+        bars.box("bar", paint, size, 0.006, x=x, y=y, z=z)
 
     rail = 0.065
     for side in (-1, 1):

@@ -12,6 +12,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import CORNERS, Parts
 from l4d_blender.catalogue import kind
 from l4d_blender.colour import Colour
 
@@ -31,19 +32,19 @@ def wooden_box(
     brass = products.metal(f"{name}_brass", (0.58, 0.40, 0.14), rng)
     burnt = products.satin_plastic(f"{name}_burnt", (0.06, 0.03, 0.015), rng, roughness=0.8)
     lid_m = 0.014
-    base = mesh.bevel_box(f"{name}_base", (width, depth, height - lid_m - 0.0012), 0.003)
-    lid = mesh.bevel_box(f"{name}_lid", (width + 0.004, depth + 0.004, lid_m), 0.003)
-    parts = [mesh.set_material(base, wood), mesh.set_material(mesh.move(lid, z=height - lid_m), wood)]
-    for x in (-1.0, 1.0):
-        for y in (-1.0, 1.0):
-            corner = mesh.bevel_box(f"{name}_corner", (0.020, 0.020, lid_m + 0.0012), 0.003)
-            mesh.move(
-                corner, x=x * (0.5 * width - 0.0075), y=y * (0.5 * depth - 0.0075), z=height - lid_m - 0.0004
-            )
-            parts.append(mesh.set_material(corner, brass))
-    clasp = mesh.bevel_box(f"{name}_clasp", (0.020, 0.005, 0.024), 0.0015)
-    parts.append(mesh.set_material(mesh.move(clasp, y=-0.5 * depth - 0.002, z=height - 0.028), brass))
+    parts = Parts(name)
+    parts.box("base", wood, (width, depth, height - lid_m - 0.0012), 0.003)
+    parts.box("lid", wood, (width + 0.004, depth + 0.004, lid_m), 0.003, z=height - lid_m)
+    for x, y in CORNERS:
+        corner = mesh.bevel_box(f"{name}_corner", (0.020, 0.020, lid_m + 0.0012), 0.003)
+        parts.add(
+            corner,
+            brass,
+            x=x * (0.5 * width - 0.0075),
+            y=y * (0.5 * depth - 0.0075),
+            z=height - lid_m - 0.0004,
+        )
+    parts.box("clasp", brass, (0.020, 0.005, 0.024), 0.0015, y=-0.5 * depth - 0.002, z=height - 0.028)
     text = mesh.rotate(lettering(f"{name}_text", words, 0.016, bold_m=0.0004), "X", 90.0)
-    mesh.move(text, x=-0.055, y=-0.5 * depth - 0.0003, z=0.022)
-    parts.append(mesh.set_material(text, burnt))
-    return mesh.join(name, parts)
+    parts.add(text, burnt, x=-0.055, y=-0.5 * depth - 0.0003, z=0.022)
+    return parts.join()

@@ -9,8 +9,8 @@ import random
 
 import bpy
 
-from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.catalogue import kind
 from l4d_blender.colour import Colour
 
@@ -24,14 +24,15 @@ def wooden_chair(
     """A chair with a back up to 0.92 m."""
     wood = products.wood(f"{name}_wood", light, dark, rng, grain_axis="Z")
     seat_wood = products.wood(f"{name}_seat_wood", light, dark, rng, grain_axis="Y")
-    seat = mesh.move(mesh.bevel_box(f"{name}_seat", (0.43, 0.42, 0.03), 0.01, 3), z=SEAT_M - 0.03)
-    parts = [mesh.set_material(seat, seat_wood)]
+    parts = Parts(name)
+    parts.box("seat", seat_wood, (0.43, 0.42, 0.03), 0.01, 3, z=SEAT_M - 0.03)
     for side in (-1, 1):
-        front = mesh.tube(
-            f"{name}_leg", [(0.19 * side, -0.18, 0.0), (0.175 * side, -0.165, SEAT_M - 0.02)], [0.014, 0.019]
+        parts.tube(
+            "leg", wood, [(0.19 * side, -0.18, 0.0), (0.175 * side, -0.165, SEAT_M - 0.02)], [0.014, 0.019]
         )
-        back = mesh.tube(
-            f"{name}_post",
+        parts.tube(
+            "post",
+            wood,
             [
                 (0.19 * side, 0.23, 0.0),
                 (0.18 * side, 0.19, SEAT_M),
@@ -40,12 +41,9 @@ def wooden_chair(
             ],
             [0.015, 0.020, 0.018, 0.014],
         )
-        rail = mesh.tube(f"{name}_rail", [(0.185 * side, -0.17, 0.20), (0.185 * side, 0.21, 0.22)], 0.010)
-        parts += [mesh.set_material(part, wood) for part in (front, back, rail)]
+        parts.tube("rail", wood, [(0.185 * side, -0.17, 0.20), (0.185 * side, 0.21, 0.22)], 0.010)
     for x in (-0.12, -0.04, 0.04, 0.12):
-        slat = mesh.tube(f"{name}_slat", [(x, 0.20, 0.53), (x, 0.212, 0.70), (x, 0.257, 0.86)], (0.018), 12)
-        parts.append(mesh.set_material(slat, wood))
+        parts.tube("slat", wood, [(x, 0.20, 0.53), (x, 0.212, 0.70), (x, 0.257, 0.86)], 0.018, 12)
     for z, y in ((0.53, 0.198), (0.87, 0.26)):
-        rail = mesh.bevel_box(f"{name}_crest", (0.38, 0.024, 0.06), 0.010, 3)
-        parts.append(mesh.set_material(mesh.move(rail, y=y, z=z - 0.03), wood))
-    return mesh.join(name, parts)
+        parts.box("crest", wood, (0.38, 0.024, 0.06), 0.010, 3, y=y, z=z - 0.03)
+    return parts.join()

@@ -13,6 +13,7 @@ from mathutils import Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.assets.parts import Parts
 from l4d_blender.assets.toy_robot import gear
 from l4d_blender.catalogue import colours, kind
 
@@ -20,8 +21,12 @@ from l4d_blender.catalogue import colours, kind
 @kind("screwdriver", (0.198, 0.025, 0.026), "graspable", "rolls")
 def screwdriver(name: str, rng: random.Random) -> bpy.types.Object:
     """A screwdriver 19 cm long that lies along X, its blade to -X."""
-    grip = mesh.lathe(
-        f"{name}_grip",
+    blade = mesh.lathe(f"{name}_blade", [(0.0032, -0.092), (0.0032, 0.004)], 16)
+    tip = mesh.bevel_box(f"{name}_tip", (0.0075, 0.0016, 0.012), 0.0004, segments=1)
+    parts = Parts(name)
+    parts.lathe(
+        "grip",
+        products.satin_plastic(f"{name}_red", (0.50, 0.16, 0.02), rng, roughness=0.25),
         [
             (0.006, 0.0),
             (0.010, 0.004),
@@ -35,16 +40,9 @@ def screwdriver(name: str, rng: random.Random) -> bpy.types.Object:
         ],
         10,
     )
-    blade = mesh.lathe(f"{name}_blade", [(0.0032, -0.092), (0.0032, 0.004)], 16)
-    tip = mesh.bevel_box(f"{name}_tip", (0.0075, 0.0016, 0.012), 0.0004, segments=1)
-    parts = [
-        mesh.set_material(
-            grip, products.satin_plastic(f"{name}_red", (0.50, 0.16, 0.02), rng, roughness=0.25)
-        ),
-        mesh.set_material(blade, products.metal(f"{name}_steel", (0.5, 0.5, 0.52), rng)),
-        mesh.set_material(mesh.move(tip, z=-0.102), products.metal(f"{name}_tip", (0.3, 0.3, 0.32), rng)),
-    ]
-    driver = mesh.rotate(mesh.join(name, parts), "Y", 90.0)
+    parts.add(blade, products.metal(f"{name}_steel", (0.5, 0.5, 0.52), rng))
+    parts.add(tip, products.metal(f"{name}_tip", (0.3, 0.3, 0.32), rng), z=-0.102)
+    driver = mesh.rotate(parts.join(), "Y", 90.0)
     return mesh.move(driver, z=0.0125)
 
 
@@ -53,14 +51,13 @@ def loose_parts(name: str, rng: random.Random, *, count: int = 9) -> bpy.types.O
     """Cogs and screws strewn over a hand's breadth."""
     brass = products.metal(f"{name}_brass", (0.60, 0.42, 0.15), rng)
     steel = products.metal(f"{name}_steel", (0.52, 0.52, 0.54), rng)
-    parts = []
+    parts = Parts(name)
     for k in range(count):
         a, r = 2.4 * k, 0.014 * (k + 0.6) ** 0.62
         at = Vector((r * cos(a), 0.8 * r * sin(a), 0.0))
         if k % 3 == 0:
             radius = rng.uniform(0.006, 0.010)
-            cog = gear(f"{name}_cog", radius, 0.002)
-            parts.append(mesh.set_material(mesh.move(cog, at.x, at.y), brass))
+            parts.add(gear(f"{name}_cog", radius, 0.002), brass, x=at.x, y=at.y)
         else:
             screw = mesh.lathe(
                 f"{name}_screw",
@@ -69,8 +66,8 @@ def loose_parts(name: str, rng: random.Random, *, count: int = 9) -> bpy.types.O
                 close_top=True,
             )
             mesh.rotate(mesh.rotate(screw, "Y", 84.0), "Z", rng.uniform(0.0, 360.0))
-            parts.append(mesh.set_material(mesh.move(screw, at.x, at.y, 0.0030), steel))
-    return mesh.join(name, parts)
+            parts.add(screw, steel, x=at.x, y=at.y, z=0.0030)
+    return parts.join()
 
 
 @kind("spool", (0.039, 0.039, 0.05), "graspable", "rolls", colour=colours("thread"))
@@ -79,8 +76,11 @@ def spool(
 ) -> bpy.types.Object:
     """A wooden spool of thread, 5 cm tall."""
     beech = products.wood(f"{name}_beech", (0.50, 0.34, 0.18), (0.34, 0.2, 0.1), rng, grain_axis="Z")
-    core = mesh.lathe(
-        f"{name}_core",
+    yarn = products.woven_cloth(f"{name}_yarn", thread, rng, threads_per_m=1400.0)
+    parts = Parts(name)
+    parts.lathe(
+        "core",
+        beech,
         [
             (0.018, 0.0),
             (0.0195, 0.003),
@@ -94,11 +94,8 @@ def spool(
         32,
         close_top=True,
     )
-    wound = mesh.cylinder(f"{name}_wound", 0.0155, 0.031, 32, bevel_m=0.003)
-    yarn = products.woven_cloth(f"{name}_yarn", thread, rng, threads_per_m=1400.0)
-    return mesh.join(
-        name, [mesh.set_material(core, beech), mesh.set_material(mesh.move(wound, z=0.0095), yarn)]
-    )
+    parts.cylinder("wound", yarn, 0.0155, 0.031, 32, bevel_m=0.003, z=0.0095)
+    return parts.join()
 
 
 @kind("oil_can", (0.072, 0.099, 0.13), "graspable")
