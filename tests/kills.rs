@@ -180,10 +180,11 @@ fn two_runs_do_not_write_into_one_folder() {
 }
 
 #[test]
-fn a_verb_that_is_stopped_says_how_to_go_on() {
+fn training_that_is_stopped_saves_what_it_learned() {
+    const TRAIN: &str = "train-splats ball --profile tiny --data data --checkpoint-seconds 3600";
     for (signal, number) in [("-INT", 2), ("-TERM", 15)] {
         let dir = splats::scene();
-        let mut command = dir.command("train-splats ball --profile tiny --data data");
+        let mut command = dir.command(TRAIN);
         let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
         while !dir.path("work/tiny/ball/splats").exists() {
             sleep(Duration::from_millis(20));
@@ -193,8 +194,28 @@ fn a_verb_that_is_stopped_says_how_to_go_on() {
         let output = child.wait_with_output().unwrap();
         assert_eq!(std::os::unix::process::ExitStatusExt::signal(&output.status), Some(number));
         let run = Run::from(output);
-        assert!(run.stderr.contains("warning: stopped; run the same command again"), "{run}");
+        assert!(run.stderr.contains("stopping: what was learned is saved first"), "{run}");
+        assert!(run.stderr.contains("hint: run the same command again: it goes on from there"), "{run}");
+        let card = dir.value("work/tiny/ball/splats/checkpoint.json");
+        assert!(card["iteration"].as_u64() > Some(0), "{card}");
     }
+}
+
+#[test]
+fn a_verb_that_is_stopped_says_how_to_go_on() {
+    let dir = releasing::rendered();
+    // It waits as long as another run has the folder.
+    let lock = l4d_data::store::FolderLock::take(&dir.path("stats")).unwrap();
+    let mut command = dir.command("stats --profile tiny --out stats");
+    let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    sleep(Duration::from_secs(1));
+    let process = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &process]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    drop(lock);
+    assert_eq!(std::os::unix::process::ExitStatusExt::signal(&output.status), Some(2));
+    let run = Run::from(output);
+    assert!(run.stderr.contains("warning: stopped; run the same command again"), "{run}");
 }
 
 /// Runs the binary where no file may be larger than 2 kB, which acts as a disk that is full.

@@ -33,6 +33,24 @@ fn checked(bench: &str) -> Value {
 }
 
 #[test]
+fn the_public_list_says_nothing_of_what_queries_mean() {
+    let dir = Dir::new();
+    let bench = root().join("benchmark");
+    dir.succeed(format!("check-queries --bench {} --public public.jsonl", bench.display()));
+    assert_eq!(
+        dir.read("public.jsonl"),
+        shipped("benchmark/queries.public.jsonl"),
+        "write it again with --public"
+    );
+    let lines = dir.lines("public.jsonl");
+    assert_eq!(lines.len(), 289 + 77);
+    for line in &lines {
+        let keys: Vec<&str> = line.as_object().unwrap().keys().map(String::as_str).collect();
+        assert_eq!(keys, ["id", "text", "categories"]);
+    }
+}
+
+#[test]
 fn the_shipped_set_is_sound() {
     let document = checked("benchmark");
     assert_eq!(document["scenes"], 21);

@@ -10,6 +10,7 @@ pub(crate) mod judging;
 pub(crate) mod models;
 pub(crate) mod publishing;
 pub(crate) mod scenes;
+mod settings;
 pub(crate) mod solver;
 pub(crate) mod splats;
 
@@ -58,7 +59,7 @@ impl Cli {
     /// # Errors
     /// A `clap::Error`, which may be help that was asked for, and options that do not apply.
     pub(crate) fn read(line: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> Result<(Self, Given)> {
-        let mut command = help::with_help(Self::command());
+        let mut command = settings::with_defaults(help::with_help(Self::command()))?;
         let matches = command.try_get_matches_from_mut(line)?;
         applies::check(&command, &matches)?;
         let given = Given::of(&command, &matches);
@@ -201,8 +202,7 @@ impl Command {
     /// What to do when the verb was stopped on its way; none for one that deals with that itself.
     pub(crate) fn how_to_go_on(&self) -> Option<&'static str> {
         match self {
-            Self::VerifyPrompts(_) => None,
-            Self::TrainSplats(_) => Some("run the same command again: it goes on from the last checkpoint"),
+            Self::VerifyPrompts(_) | Self::TrainSplats(_) => None,
             Self::Quickstart(_)
             | Self::BuildScenes(_)
             | Self::Compose(_)

@@ -15,8 +15,8 @@ mod stopping;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use crate::cli::Cli;
 use crate::cli::given::Given;
+use crate::cli::{Cli, Command};
 use crate::out::Printer;
 
 fn main() -> ExitCode {
@@ -26,9 +26,12 @@ fn main() -> ExitCode {
     };
     let out = Arc::new(Printer::new(cli.global.quiet, given));
     out::init_logging(cli.global.verbose);
-    if let Some(how_to_go_on) = cli.command.how_to_go_on()
-        && let Err(error) = stopping::say_when_stopped(how_to_go_on, Arc::clone(&out))
-    {
+    let waiting = match (&cli.command, cli.command.how_to_go_on()) {
+        (Command::TrainSplats(_), _) => stopping::save_when_stopped(Arc::clone(&out)),
+        (_, Some(how_to_go_on)) => stopping::say_when_stopped(how_to_go_on, Arc::clone(&out)),
+        (_, None) => Ok(()),
+    };
+    if let Err(error) = waiting {
         tracing::debug!(%error, "signals are not waited for");
     }
     match commands::run(&cli.command, &out) {
@@ -36,6 +39,7 @@ fn main() -> ExitCode {
         Err(error) if out::is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             out.failure(&error);
+            stopping::end_as_asked();
             ExitCode::from(2)
         }
     }

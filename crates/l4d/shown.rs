@@ -9,7 +9,7 @@ use l4d_data::query::read_queries;
 use l4d_data::store::list_folder;
 use l4d_data::tracks::Tracks;
 use l4d_data::truth::Truth;
-use l4d_data::{DataError, Name, Rig, Scene};
+use l4d_data::{DataError, Name, Rig, Scene, counted};
 use l4d_splat::source::Source;
 use l4d_view::{MOST_METHODS, Request, Written};
 
@@ -19,11 +19,11 @@ use crate::out::{Printer, refusal};
 /// What is on a page.
 pub(crate) fn summary(page: &Written) -> String {
     format!(
-        "{} Gaussians at {} moments, {} pictures, {} sentences: {:.1} MB",
-        page.gaussians,
-        page.times,
-        page.pictures,
-        page.sentences,
+        "{} at {}, {}, {}: {:.1} MB",
+        counted(page.gaussians, "Gaussian"),
+        counted(page.times, "moment"),
+        counted(page.pictures, "picture"),
+        counted(page.sentences, "sentence"),
         page.html.len() as f64 / 1e6
     )
 }

@@ -145,14 +145,14 @@ fn what_was_released_comes_back() {
     let dir = published();
     let server = Server::start(dir.path(RELEASE), u64::MAX);
     let line = format!("download {} {THERE}", server.url());
-    dir.succeed(&line).says(0, &["Two 0.1.0: 2 scenes", "0 were here", "tables are in"]);
+    dir.succeed(&line).says(0, &["Two 0.1.0: 2 scenes", "0 here already", "tables are in"]);
     assert_eq!(dir.tree("there/benchmark"), dir.tree("benchmark"));
     for scene in ["room_living_cats", "tabletop_mouse_cups"] {
         expect_same_pictures(&dir.path("data/tiny"), &dir.path("there/data/tiny"), scene);
     }
     assert_eq!(dir.tree("there/work/tiny"), dir.tree("work/tiny"));
     let asked = server.seen().len();
-    dir.succeed(&line).says(0, &["0 files of the release were fetched"]);
+    dir.succeed(&line).says(0, &["0 files of the release fetched"]);
     assert_eq!(server.seen().len(), asked + 2, "lists alone are asked for again");
 
     let verify = format!("{line} --verify-only --json");
@@ -165,7 +165,7 @@ fn what_was_released_comes_back() {
     dir.remove(frame);
     expect(&dir.run(&verify), &[("L4D612", frame)]);
     // What lacks is made again.
-    dir.succeed(&line).says(0, &["1 files of the release were fetched"]);
+    dir.succeed(&line).says(0, &["1 file of the release fetched"]);
     expect(&dir.run(&verify), &[]);
     // Frames are compared with the digests of the list that was written, as those of a build are.
     let listed = dir.read("there/data/tiny/room_living_cats/SHA256SUMS");

@@ -63,7 +63,7 @@ pub fn text_statistics(board: &Board) -> String {
     let (compared, neighbours) = (board.compared(), board.neighbours());
     let name_width = name_width(compared.iter(), 2 * VALUE_WIDTH + 2 * SHORT_WIDTH);
     let line = |rank: &str, name: &str, [own, ahead, p, detectable]: [&str; 4]| {
-        let values = format!("{own:>VALUE_WIDTH$}{ahead:>VALUE_WIDTH$}");
+        let values = format!("{own:>VALUE_WIDTH$} {ahead:>width$}", width = VALUE_WIDTH - 1);
         row(rank, name, name_width, &format!("{values}{p:>SHORT_WIDTH$}{detectable:>SHORT_WIDTH$}"))
     };
     let tests = if neighbours.is_empty() { [""; 3] } else { ["ahead of the next", "p", "detect."] };

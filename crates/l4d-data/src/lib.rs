@@ -33,6 +33,7 @@ pub mod timeline;
 pub mod toml_file;
 pub mod tracks;
 pub mod truth;
+mod words;
 pub mod workspace;
 
 pub use benchmark::{Benchmark, Draw};
@@ -46,4 +47,5 @@ pub use rle::Rle;
 pub use scene::{Event, Role, Scale, Scene};
 pub use stage::{At, Progress, Shard, Silent, StageError};
 pub use timeline::{Interval, Profile, Timeline};
+pub use words::counted;
 pub use workspace::Workspace;

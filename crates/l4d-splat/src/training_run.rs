@@ -9,6 +9,7 @@ mod report;
 use std::error::Error;
 use std::fmt;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use l4d_data::layout::SceneDir;
@@ -89,6 +90,8 @@ pub struct TrainingRequest<'a> {
     pub between_checkpoints: Duration,
     /// Replace a model that has other settings or pictures.
     pub overwrite: bool,
+    /// Set when training is to end early: it saves what it has learned first.
+    pub stop: &'a AtomicBool,
     pub rasterizer: &'a dyn Rasterizer,
     /// What it draws on, for manifests; none for the processor.
     pub adapter: Option<Value>,
@@ -221,9 +224,14 @@ impl Run<'_> {
                 progress.note(&format_args!("{}/{} {line}", trainer.iteration(), trainer.iterations()));
                 (evaluated, at) = (Instant::now(), trainer.iteration());
             }
-            if saved.elapsed() >= request.between_checkpoints {
+            let is_stopped = request.stop.load(Ordering::Relaxed);
+            if is_stopped || saved.elapsed() >= request.between_checkpoints {
                 folder.save(trainer, origin, spent(fine))?;
                 saved = Instant::now();
+            }
+            if is_stopped {
+                let message = "stopped; what was learned until here is saved";
+                return Err(StageError::new(message, "run the same command again: it goes on from there"));
             }
         }
         progress.finish();

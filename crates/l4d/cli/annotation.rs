@@ -15,6 +15,9 @@ pub(crate) struct CheckQueriesArgs {
     /// Also compare with the set in this benchmark folder: sentences, predicates, places, and what a memory of it finds
     #[arg(long, value_name = "BENCH")]
     pub(crate) against: Option<PathBuf>,
+    /// Also write id, words and categories of every query that counts, without what they mean: for who wants to stay blind
+    #[arg(long, value_name = "FILE")]
+    pub(crate) public: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

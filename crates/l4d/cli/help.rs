@@ -141,6 +141,50 @@ mod tests {
         assert_eq!(staged.len(), known.len(), "a verb has two stages");
     }
 
+    /// What the help of an option says wherever it occurs, one of these in small letters.
+    const SAID: &[(&str, &str)] = &[
+        ("bench", "folder of the benchmark|folder of a benchmark|receives the benchmark"),
+        ("force", "replace|again|write"),
+        ("jobs", "at once"),
+        ("json", "json"),
+        ("out", "receives|to write|the page|folder of the"),
+        ("profile", "profile|tiny, small|small or full"),
+        ("scenes", "scenes"),
+        ("seed", "seed"),
+        ("shard", "part i of n"),
+        ("splats", "model"),
+        ("view_count", "views|pictures"),
+        ("views", "views"),
+        ("vlm", "model"),
+        ("work", "can be remade|trained models"),
+    ];
+    /// What options were called once.
+    const OLD: &[&str] = &["output", "overwrite", "model", "training_views", "camera", "time", "round_name"];
+
+    #[test]
+    fn one_word_means_one_thing() {
+        fn visit(name: &str, command: &Command, wrong: &mut Vec<String>) {
+            for argument in command.get_arguments() {
+                let id = argument.get_id().as_str();
+                let help = argument.get_help().map(ToString::to_string).unwrap_or_default().to_lowercase();
+                if argument.get_long().is_some() && OLD.contains(&id) {
+                    wrong.push(format!("{name}: --{id} is an old word"));
+                }
+                if let Some((_, said)) = SAID.iter().find(|(option, _)| *option == id)
+                    && !said.split('|').any(|words| help.contains(words))
+                {
+                    wrong.push(format!("{name} --{id}: \"{help}\" says none of {said}"));
+                }
+            }
+            command
+                .get_subcommands()
+                .for_each(|verb| visit(&format!("{name} {}", verb.get_name()), verb, wrong));
+        }
+        let mut wrong = Vec::new();
+        visit("l4d", &Cli::command(), &mut wrong);
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    }
+
     #[test]
     fn each_verb_has_examples_that_it_takes() {
         let (mut lacking, mut wrong) = (Vec::new(), Vec::new());

@@ -1,10 +1,15 @@
 //! `l4d check-queries`: one referent each, real distractors, and the count of the set.
 
+use std::path::Path;
+
 use anyhow::Result;
-use l4d_data::{Benchmark, Report};
+use l4d_data::store::{Claim, folder_of};
+use l4d_data::{Benchmark, Name, Query, Report, Status, json as json_file};
 use l4d_query::check_set;
 use l4d_query::overlap::{self, Overlap, Recall};
 use l4d_query::probes::Probe;
+
+use serde_json::json;
 
 use crate::cli::annotation::CheckQueriesArgs;
 use crate::out::{ExitStatus, Printer};
@@ -21,6 +26,9 @@ pub(crate) fn run(args: &CheckQueriesArgs, out: &Printer) -> Result<ExitStatus> 
         }
         None => None,
     };
+    if let Some(path) = &args.public {
+        write_public(&bench, &scenes, path)?;
+    }
     if args.json {
         let mut document = serde_json::to_value(&summary)?;
         if let Some(overlap) = &overlap {
@@ -49,6 +57,21 @@ pub(crate) fn run(args: &CheckQueriesArgs, out: &Printer) -> Result<ExitStatus> 
         print_overlap(overlap, out)?;
     }
     out.findings(report, false)
+}
+
+/// A line a query, in the order of the scenes.
+fn write_public(bench: &Benchmark, scenes: &[Name], path: &Path) -> Result<()> {
+    let mut lines = Vec::new();
+    for scene in scenes {
+        let counts = |query: &Query| query.status != Status::Rejected;
+        let queries = bench.queries(scene)?.into_iter().chain(bench.composites(scene)?).filter(counts);
+        let public =
+            |query: Query| json!({ "id": query.id, "text": query.text, "categories": query.categories });
+        lines.extend(queries.map(public));
+    }
+    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let _claim = Claim::take(folder_of(path), vec![file], None, false)?;
+    Ok(json_file::write_lines(path, &lines)?)
 }
 
 fn print_probes(probes: &[Probe], out: &Printer) -> Result<()> {

@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 use anyhow::Result;
 use l4d_blender::env::{BlenderEnv, Probe, environment_python, import_hint, probe};
 use l4d_data::Benchmark;
+use l4d_data::counted;
 use serde::Serialize;
 use serde_json::json;
 
@@ -154,7 +155,12 @@ fn benchmark_line() -> Line {
     match Benchmark::open(shipped::benchmark()) {
         Ok(bench) => {
             let manifest = bench.manifest;
-            let what = format!("{} {}, {} scenes", manifest.name, manifest.version, manifest.scenes.len());
+            let what = format!(
+                "{} {}, {}",
+                manifest.name,
+                manifest.version,
+                counted(manifest.scenes.len(), "scene")
+            );
             Line::ok("benchmark", format!("{what} ({})", bench.dir.root().display()))
         }
         Err(error) => Line::missing(

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::Result;
 use l4d_data::workspace::SharedWork;
-use l4d_data::{DataError, Report};
+use l4d_data::{DataError, Report, counted};
 use l4d_endpoint::{BaseUrl, Files};
 use l4d_frames::exr::encode_frame;
 use l4d_frames::sample::{self, Light};
@@ -45,10 +45,10 @@ pub(crate) fn run(args: &DownloadArgs, out: &Printer) -> Result<ExitStatus> {
         return Ok(ExitStatus::Success);
     }
     out.note(format!(
-        "{}: {} scenes; {} files of the release were fetched, {} were here",
+        "{}: {}; {} of the release fetched, {} here already",
         done.release,
-        done.scenes.len(),
-        done.fetched.len(),
+        counted(done.scenes.len(), "scene"),
+        counted(done.fetched.len(), "file"),
         done.kept.len()
     ));
     if let Some(tables) = &done.tables {

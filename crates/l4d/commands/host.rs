@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use l4d_data::store::list_folder;
 use l4d_data::workspace::default_hosting;
-use l4d_data::{Benchmark, Category, DataError, Report};
+use l4d_data::{Benchmark, Category, DataError, Report, counted};
 use l4d_release::host::{Competition, Entry, Files, Hosted, codabench, huggingface, write};
 use l4d_score::{QuerySet, Summary};
 use serde_json::json;
@@ -74,7 +74,7 @@ fn make(
         out.json(&json!({ "folder": folder, "platform": platform, "files": sizes, "findings": [] }))?;
     } else {
         out.data(folder.display())?;
-        out.note(format!("{} files; docs/release.md says what to do with them", files.len()));
+        out.note(format!("{}; docs/release.md says what to do with them", counted(files.len(), "file")));
     }
     Ok(ExitStatus::Success)
 }

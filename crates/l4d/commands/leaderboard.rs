@@ -8,7 +8,7 @@ use anyhow::Result;
 use l4d_board::board::Method;
 use l4d_board::{Board, BoardError, Media, ProtocolTable, gather, publish, text_statistics, text_table};
 use l4d_data::workspace::{default_leaderboard, default_scores};
-use l4d_data::{Benchmark, Report};
+use l4d_data::{Benchmark, Report, counted};
 use l4d_score::Exam;
 use serde_json::{Value, json};
 
@@ -44,7 +44,7 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
             out.data(format!("\nApart and never ranked, in {}: {}.", folder.display(), names.join(", ")))?;
         }
     }
-    out.note(format!("\n{} files in {}:", paths.len(), output.display()));
+    out.note(format!("\n{} in {}:", counted(paths.len(), "file"), output.display()));
     for path in paths {
         out.note(format!("  {}", path.display()));
     }

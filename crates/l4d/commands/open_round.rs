@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use l4d_data::digest::sha256_hex;
 use l4d_data::store::{Earlier, list_folder};
-use l4d_data::{Benchmark, Category, DataError, Name, Query, QueryId, Status};
+use l4d_data::{Benchmark, Category, DataError, Name, Query, QueryId, Status, counted};
 use l4d_votes::draw_round;
 use l4d_votes::key::ItemSource;
 use l4d_votes::{Gold, RoundSettings, SCHEMA};
@@ -190,9 +190,10 @@ fn summary(round: &Round, key: &Key) -> String {
     let scenes: BTreeSet<&Name> = round.items.iter().map(|item| &item.scene).collect();
     let categories: Vec<String> = categories.iter().map(|(name, count)| format!("{name} {count}")).collect();
     format!(
-        "{} items over {} scenes: {queries} queries ({}), control items {controls}, repeats {repeats}; annotators {}",
-        round.items.len(),
-        scenes.len(),
+        "{} over {}: {} ({}), control items {controls}, repeats {repeats}; annotators {}",
+        counted(round.items.len(), "item"),
+        counted(scenes.len(), "scene"),
+        counted(queries, "query"),
         categories.join(", "),
         round.annotators.len()
     )

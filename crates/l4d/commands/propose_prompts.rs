@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use l4d_data::Progress as _;
 use l4d_data::parallel::in_parallel;
-use l4d_data::{Benchmark, Name, Report, Workspace};
+use l4d_data::{Benchmark, Name, Report, Workspace, counted};
 use l4d_endpoint::{Client, Plan};
 use l4d_propose::queries::{QueryProposer, SceneOutcome};
 use l4d_query::prove::Vocabulary;
@@ -82,7 +82,7 @@ fn chosen_scenes(
             Err(refusal(format!("{scene} is not rendered in {data}"), args.bench.build_hint()))
         }
         Some(_) => {
-            out.note(format!("not rendered, so not asked about: {} scenes", missing.len()));
+            out.note(format!("not rendered, so not asked about: {}", counted(missing.len(), "scene")));
             Ok(rendered)
         }
         None => Ok(rendered),

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::Result;
 use l4d_data::layout::SceneDir;
-use l4d_data::{Benchmark, Progress as _, Report, Status, Workspace};
+use l4d_data::{Benchmark, Progress as _, Report, Status, Workspace, counted};
 use l4d_frames::sample;
 use l4d_import::handout;
 use l4d_release::{Pictures, Plan, ReleaseOptions, freeze, inspect, plan};
@@ -86,8 +86,10 @@ fn tell(plan: &Plan, files: usize, args: &ReleaseArgs, out: &Printer) {
         None => "no renders (--profile adds them)".to_owned(),
     };
     out.note(format!(
-        "{files} files: {} scenes, {judged} scored queries, {pictures}",
-        plan.contents.scenes.len()
+        "{}: {}, {}, {pictures}",
+        counted(files, "file"),
+        counted(plan.contents.scenes.len(), "scene"),
+        counted(judged, "scored query")
     ));
     out.note(format!(
         "{verified} of {judged} scored queries are verified by people, {rejected} were rejected"

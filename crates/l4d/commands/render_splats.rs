@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use l4d_data::store::Claim;
-use l4d_data::{Name, Progress as _, Timeline};
+use l4d_data::{Name, Progress as _, Timeline, counted};
 use l4d_frames::moving_picture::{self, Pace};
 use l4d_solve::clips::{
     self, ClipsFolder, ClipsRequest, DepthEntry, Flight, Look, Overwrite, Preview, Wanted,
@@ -63,10 +63,10 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
         clips::complete(&folder, &plan, &source.model, opened.rasterizer.as_ref(), &|| out.advance(1))?;
     out.finish();
     out.note(format!(
-        "{} pictures ({} views, {} times) in {:.1} s, {there} more were there",
-        total - there,
-        plan.cameras.len(),
-        plan.instants.len(),
+        "{} ({}, {}) in {:.1} s, {there} more were there",
+        counted(total - there, "picture"),
+        counted(plan.cameras.len(), "view"),
+        counted(plan.instants.len(), "time"),
         start.elapsed().as_secs_f64(),
     ));
     out.data(folder.manifest_path().display())?;

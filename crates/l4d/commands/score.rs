@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use l4d_data::workspace::default_scores;
-use l4d_data::{Benchmark, DataError, Report};
+use l4d_data::{Benchmark, DataError, Report, counted};
 use l4d_score::results::MEGABYTE;
 use l4d_score::score::{counts_path, tallies_of_counts};
 use l4d_score::{Exam, Group, Options, QuerySet, Scored, Summary, counts, groups, score_results, table};
@@ -95,11 +95,11 @@ fn add_groups(document: &mut Value, grouped: &[Vec<Group>]) -> Result<()> {
 fn footer(summaries: &[Summary], exam: &Exam) -> String {
     let Some(first) = summaries.first() else { return String::new() };
     let mut text = format!(
-        "{} {}, profile {}, {} scenes: {} of {} scored prompts are verified by people.",
+        "{} {}, profile {}, {}: {} of {} scored prompts are verified by people.",
         exam.bench.manifest.name,
         exam.bench.manifest.version,
         exam.profile,
-        exam.scenes.len(),
+        counted(exam.scenes.len(), "scene"),
         first.verified_queries,
         first.asked_queries,
     );
@@ -120,8 +120,9 @@ fn footer(summaries: &[Summary], exam: &Exam) -> String {
     for summary in missing {
         let how = if summary.partial { "left out" } else { "counted as empty" };
         text.push_str(&format!(
-            "\n{}: {} frames without an answer {how}.",
-            summary.name, summary.missing_frames
+            "\n{}: {} without an answer {how}.",
+            summary.name,
+            counted(summary.missing_frames as usize, "frame")
         ));
     }
     text

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use anyhow::Result;
 use l4d_data::store::{Claim, write_atomic};
-use l4d_data::{Benchmark, Report};
+use l4d_data::{Benchmark, Report, counted};
 use l4d_query::stats::{DatasetRow, SetStats, csv_of, measure};
 
 use crate::cli::annotation::StatsArgs;
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &StatsArgs, out: &Printer) -> Result<ExitStatus> {
         for (name, bytes) in &files {
             write_atomic(&folder.join(name), bytes)?;
         }
-        out.note(format!("{} files in {}", files.len(), folder.display()));
+        out.note(format!("{} in {}", counted(files.len(), "file"), folder.display()));
     }
     if args.json {
         out.json(&stats)?;

@@ -12,7 +12,7 @@ use l4d_splat::training_run::{Settings, TrainingRequest, train_scene};
 
 use crate::cli::splats::TrainSplatsArgs;
 use crate::out::{ExitStatus, Printer};
-use crate::rasterizer;
+use crate::{rasterizer, stopping};
 
 pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.scene)?;
@@ -32,6 +32,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         sampling: Sampling { shrink: args.shrink, every: args.every },
         between_checkpoints: Duration::from_secs_f64(args.checkpoint_seconds),
         overwrite: args.force,
+        stop: stopping::asked(),
         rasterizer: opened.rasterizer.as_ref(),
         adapter: opened.adapter,
     };

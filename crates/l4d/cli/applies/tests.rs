@@ -17,7 +17,7 @@ const ALWAYS: &[(&str, &str)] = &[
     ("sheet", "bench profile data out frames force"),
     ("compose", "list python blender_scripts work json"),
     ("arrange", "out seed count view_count samples jobs python blender_scripts work json"),
-    ("check-queries", "bench profile scenes against json"),
+    ("check-queries", "bench profile scenes against public json"),
     ("stats", "bench profile scenes out json"),
     ("endpoint check", "endpoint base_url vlm server link json"),
     ("endpoint calibrate", "endpoint base_url vlm server link pictures size answer_tokens work json"),

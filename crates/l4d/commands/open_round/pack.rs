@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use l4d_annotate::{offline, scene};
 use l4d_data::store::{Claim, folder_of, write_atomic};
-use l4d_data::{Name, Workspace};
+use l4d_data::{Name, Workspace, counted};
 use l4d_votes::{Round, RoundDir};
 
 use crate::cli::annotation::OpenRoundArgs;
@@ -29,9 +29,9 @@ pub(super) fn run(
     write_atomic(&path, &page)?;
     let megabytes = page.len() as f64 / 1e6;
     out.note(format!(
-        "{} items over {} scenes in {megabytes:.1} MB, for {annotator} alone",
-        round.items.len(),
-        scenes.len()
+        "{} over {} in {megabytes:.1} MB, for {annotator} alone",
+        counted(round.items.len(), "item"),
+        counted(scenes.len(), "scene")
     ));
     out.note(format!(
         "next: send it to {annotator}; what comes back enters the round by `l4d import-ballot FILE`"
