@@ -52,6 +52,22 @@ fn the_python_suite_passes() {
 }
 
 #[test]
+fn the_python_code_is_formatted_linted_and_typed() {
+    let environment = root().join("work/python-checks");
+    let scripts = root().join("blender_scripts");
+    let project = std::fs::read_to_string(scripts.join("pyproject.toml")).unwrap();
+    let (_, pins) = project.split_once("\ndev = [").unwrap();
+    let pins = pins.split_once(']').unwrap().0.split(',').map(|pin| pin.trim().trim_matches('"'));
+    succeed(Command::new(blender_python()).args(["-m", "venv"]).arg(&environment));
+    let python = environment.join("bin/python");
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    succeed(Command::new(&python).args(pip).args(pins.filter(|pin| !pin.is_empty())));
+    for check in [&["ruff", "check", "."][..], &["ruff", "format", "--check", "."], &["mypy"]] {
+        succeed(Command::new(&python).current_dir(&scripts).arg("-m").args(check));
+    }
+}
+
+#[test]
 fn the_quickstart_ends_with_a_leaderboard() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("quickstart");

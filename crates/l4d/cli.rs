@@ -202,7 +202,7 @@ impl Command {
     /// What to do when the verb was stopped on its way; none for one that deals with that itself.
     pub(crate) fn how_to_go_on(&self) -> Option<&'static str> {
         match self {
-            Self::VerifyPrompts(_) | Self::TrainSplats(_) => None,
+            Self::VerifyPrompts(_) | Self::TrainSplats(_) | Self::Serve(_) => None,
             Self::Quickstart(_)
             | Self::BuildScenes(_)
             | Self::Compose(_)

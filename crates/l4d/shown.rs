@@ -35,7 +35,7 @@ pub(crate) fn page_of(args: &ShownArgs, asks: Option<String>, out: &Printer) -> 
     let dir = space.scene(&name);
     let splats = args.splats.clone().unwrap_or_else(|| space.work(&name).splats());
     let methods = methods(args)?;
-    let rig = Rig::read(&dir.rig(args.profile))?;
+    let rig = space.rig(&name)?;
     let source = Source::open(&splats, args.reader.options())?;
     let source = source.on(&splats, rig.timeline(), &rig.clip(args.profile))?;
     source.notes.iter().for_each(|note| out.note(format!("{}: {note}", splats.display())));

@@ -163,6 +163,37 @@ fn what_is_kept_is_whole_and_scores_what_comes_back() {
 }
 
 #[test]
+fn a_board_that_is_published_names_no_answer() {
+    let (dir, _) = private();
+    dir.succeed("baseline oracle --profile tiny");
+    dir.succeed("score results --profile tiny");
+    dir.refuses("leaderboard --profile tiny --html", &["private", "--with-answers"]);
+    dir.succeed("leaderboard --profile tiny --with-answers --html");
+    assert!(dir.path("leaderboard/index.html").exists() && dir.path("leaderboard/board.json").exists());
+    dir.succeed("leaderboard --profile tiny").says(0, &["the set is private"]);
+    for (file, bytes) in dir.tree("leaderboard") {
+        assert!(!["index.html", "board.json", "taken.csv"].contains(&file.as_str()), "{file}");
+        let text = String::from_utf8_lossy(&bytes);
+        let named = ["ball_red", "box_blue", "referents"].into_iter().find(|word| text.contains(word));
+        assert!(named.is_none() || file == ".l4d-written", "{file} names {named:?}");
+    }
+}
+
+#[test]
+fn participants_train_on_what_they_get() {
+    let (dir, _, _) = released();
+    let data = format!("{RELEASE}/participants/data");
+    let few = "--gaussians 300 --coarse 5 --unfold 1 --fine 5";
+    let trained = dir.json(format!("train-splats yard --profile real --data {data} {few}"));
+    assert_eq!(
+        (&trained["track"], &trained["report"]["test"]),
+        (&json!("colour"), &Value::Null),
+        "{trained}"
+    );
+    dir.succeed(format!("render-splats yard --profile real --data {data} --frames 0,48"));
+}
+
+#[test]
 fn the_verbs_go_on_with_what_was_downloaded() {
     let (dir, _, _) = released();
     let handed_out = dir.run(format!("download {RELEASE}/participants"));

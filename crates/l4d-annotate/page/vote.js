@@ -1092,7 +1092,8 @@ function showHeader(isOnItem) {
   $("before").disabled = isTyping() || model.at === 0;
   $("after").disabled = isTyping() || model.at === PACK.items.length - 1;
   $("kept").className = model.isKept ? "" : "wrong";
-  $("kept").textContent = model.isKept
+  const isSafe = "The sealed ballot is kept in this browser until its data is cleared. What counts is the saved file.";
+  $("kept").textContent = model.isKept && model.ballot.isSealed ? isSafe : model.isKept
     ? "Each act is kept in this browser as soon as it is done, and sent nowhere. A copy also protects it if the " +
       "browser clears its data."
     : "This browser does not keep your answers: save a copy before you close this page.";

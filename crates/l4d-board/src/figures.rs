@@ -195,7 +195,7 @@ mod tests {
     fn gallery() {
         let folder = std::path::PathBuf::from(std::env::var_os("L4D_BOARD_GALLERY").unwrap());
         for (name, board) in boards() {
-            crate::publish(&board, &folder.join(name), None, true).unwrap();
+            crate::publish(&board, &folder.join(name), crate::Answers::Named, true).unwrap();
         }
     }
 }

@@ -35,5 +35,5 @@ pub use error::BoardError;
 pub use gather::gather;
 pub use page::{Backdrop, LONGEST_SIDE_PX, Media};
 pub use protocols::{ProtocolRow, ProtocolTable};
-pub use publish::publish;
+pub use publish::{Answers, publish};
 pub use terminal::{text_statistics, text_table};

@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use l4d_data::DataError;
 use l4d_data::store::{AtomicFile, Claim, Earlier, write_atomic};
 use rayon::prelude::*;
 
@@ -13,6 +14,18 @@ use crate::page::{self, Media, PAGE};
 use crate::{latex, layout, markdown, tables};
 
 const DOCUMENT: &str = "board.json";
+const TAKEN: &str = "taken.csv";
+
+/// What a board says of the answers to the queries.
+#[derive(Clone, Copy)]
+pub enum Answers<'a> {
+    /// Nothing from which one follows: numbers alone, for a set whose truth is private.
+    Withheld,
+    /// Their names, in the document and in `taken.csv`.
+    Named,
+    /// Their masks too, on the page.
+    Shown(&'a Media<'a>),
+}
 
 /// Writes the document, tables, figures and, where there are `media`, the page into `folder`, each file through a
 /// temporary neighbour and rename; gives the paths in order. Files of other names stay.
@@ -23,9 +36,14 @@ const DOCUMENT: &str = "board.json";
 pub fn publish(
     board: &Board,
     folder: &Path,
-    media: Option<&Media<'_>>,
+    answers: Answers<'_>,
     force: bool,
 ) -> Result<Vec<PathBuf>, BoardError> {
+    let (media, is_withheld) = match answers {
+        Answers::Withheld => (None, true),
+        Answers::Named => (None, false),
+        Answers::Shown(media) => (Some(media), false),
+    };
     let mut files = vec![
         ("leaderboard.csv".to_owned(), tables::leaderboard(board)?),
         ("per_category.csv".to_owned(), tables::per_group(board, "category")?),
@@ -34,8 +52,10 @@ pub fn publish(
         ("groups.csv".to_owned(), tables::groups(board)?),
         ("comparisons.csv".to_owned(), tables::comparisons(board)?),
         ("reported.csv".to_owned(), tables::reported(board)?),
-        ("taken.csv".to_owned(), tables::taken(board)?),
     ];
+    if !is_withheld {
+        files.push((TAKEN.to_owned(), tables::taken(board)?));
+    }
     for table in layout::all(board) {
         let file = |extension: &str| format!("tables/{}.{extension}", table.name);
         files.push((file("csv"), tables::layout(board, &table)?));
@@ -55,10 +75,18 @@ pub fn publish(
     files.push(("leaderboard.md".to_owned(), markdown::page(board, &figures).into_bytes()));
 
     let page = media.map(|_| PAGE).into_iter().chain([DOCUMENT]).map(str::to_owned);
-    let names = files.iter().map(|(name, _)| name.clone()).chain(page).collect();
+    let mut names: Vec<String> = files.iter().map(|(name, _)| name.clone()).chain(page).collect();
+    if is_withheld {
+        names.extend([TAKEN, PAGE].map(str::to_owned));
+    }
     let earlier = Earlier { file: DOCUMENT, says: "\"l4d/board/" };
     let _claim = Claim::take(folder, names, Some(earlier), force)?;
-    let mut paths = vec![publish_document(board, folder.join(DOCUMENT))?];
+    let mut paths = Vec::new();
+    match is_withheld {
+        false => paths.push(publish_document(board, folder.join(DOCUMENT))?),
+        // What an earlier board said of them goes too.
+        true => [DOCUMENT, TAKEN, PAGE].iter().try_for_each(|name| remove(&folder.join(name)))?,
+    }
     for (name, bytes) in files {
         let path = folder.join(name);
         write_atomic(&path, &bytes)?;
@@ -68,6 +96,15 @@ pub fn publish(
         paths.push(page::write(board, media, folder)?);
     }
     Ok(paths)
+}
+
+fn remove(path: &Path) -> Result<(), BoardError> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(DataError::io(path, "remove", error).into())
+        }
+        _ => Ok(()),
+    }
 }
 
 fn publish_document(board: &Board, path: PathBuf) -> Result<PathBuf, BoardError> {
@@ -89,7 +126,7 @@ mod tests {
         std::fs::write(folder.path().join("notes.txt"), "mine").unwrap();
         let board = sample::answered(sample::hand_made());
         let publish = || {
-            let paths = publish(&board, folder.path(), None, false).unwrap();
+            let paths = publish(&board, folder.path(), Answers::Named, false).unwrap();
             paths.into_iter().map(|path| (path.clone(), std::fs::read(path).unwrap())).collect::<Vec<_>>()
         };
         let first = publish();
@@ -106,7 +143,7 @@ mod tests {
     fn the_document_reads_back_as_it_was() {
         let folder = tempfile::tempdir().unwrap();
         let board = sample::answered(sample::hand_made());
-        publish(&board, folder.path(), None, false).unwrap();
+        publish(&board, folder.path(), Answers::Named, false).unwrap();
         let path = folder.path().join("board.json");
         assert_eq!(Board::read(&path).unwrap(), board);
         let text = std::fs::read_to_string(&path).unwrap();
@@ -120,7 +157,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let blocked = folder.path().join("file");
         std::fs::write(&blocked, "a file").unwrap();
-        let error = publish(&sample::board(1), &blocked, None, false).unwrap_err();
+        let error = publish(&sample::board(1), &blocked, Answers::Named, false).unwrap_err();
         assert!(error.to_string().contains("file"), "{error}");
     }
 }

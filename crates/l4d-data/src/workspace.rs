@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::error::DataError;
 use crate::layout::{CaptureDir, SceneDir, WorkDir};
+use crate::rig::Rig;
 use crate::timeline::Profile;
 
 /// The folders that stages of one profile read and write.
@@ -49,6 +51,25 @@ impl Workspace {
     /// `<data>/<scene>`.
     pub fn scene(&self, scene: &str) -> SceneDir {
         SceneDir::new(&self.data, scene)
+    }
+
+    /// Cameras and times of a scene.
+    ///
+    /// # Errors
+    /// A scene that is not there, with how it gets there; a file that cannot be read.
+    pub fn rig(&self, scene: &str) -> Result<Rig, DataError> {
+        let dir = self.scene(scene);
+        let path = dir.rig(self.profile);
+        if !path.exists() {
+            let hint = how_scenes_are_made(scene, self.profile, dir.root());
+            return Err(DataError::invalid(
+                dir.root(),
+                "scene",
+                format!("is not there at profile {}", self.profile),
+                format!("{hint}, or choose another --data"),
+            ));
+        }
+        Rig::read(&path)
     }
 
     /// `<data>/<scene>`, of a scene that others recorded.

@@ -172,6 +172,9 @@ pub(crate) struct LeaderboardArgs {
     /// Write index.html too: the board as one page with masks and pictures, which needs no network
     #[arg(long)]
     pub(crate) html: bool,
+    /// Of a private set: also write what names its answers (board.json, taken.csv, the page), for you alone
+    #[arg(long)]
+    pub(crate) with_answers: bool,
     /// Folder of the results whose masks the page shows
     #[arg(long, value_name = "DIR", default_value = "results")]
     pub(crate) results: PathBuf,

@@ -205,7 +205,7 @@ pub(crate) struct QueryArgs {
     /// Also say what every view said of every other one, frame by frame
     #[arg(long)]
     pub(crate) explain: bool,
-    /// Folder that receives masks and pictures; default: <work>/<profile>/<scene>/asked/<digest of the question>
+    /// Folder that receives masks and pictures; default: <work>/<profile>/<scene>/answers/asked/<digest of the question>
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Replace files that l4d did not write

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use anyhow::Result;
 use l4d_board::board::Method;
-use l4d_board::{Board, BoardError, Media, ProtocolTable, gather, publish, text_statistics, text_table};
+use l4d_board::{Answers, Board, BoardError, ProtocolTable, gather, publish, text_statistics, text_table};
+use l4d_data::benchmark::SetSplit;
 use l4d_data::workspace::{default_leaderboard, default_scores};
 use l4d_data::{Benchmark, Report, counted};
 use l4d_score::Exam;
@@ -24,13 +25,22 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
     let output = args.out.clone().unwrap_or_else(|| default_leaderboard(set.as_str()));
     let (board, found) = gather(&scores, &exam, args.seed).map_err(|error| with_hint(error, &scores))?;
     report.extend(found);
-    let publish = |media: Option<&Media<'_>>| {
-        publish(&board, &output, media, args.force).map_err(|error| with_hint(error, &scores))
+    let is_withheld = exam.bench.manifest.split == SetSplit::Private && !args.with_answers;
+    if is_withheld && args.html {
+        let hint = "leave out --html, or add --with-answers for a board that stays with you";
+        return Err(refusal("the set is private, and the page shows its answers", hint));
+    }
+    let publish = |answers: Answers<'_>| {
+        publish(&board, &output, answers, args.force).map_err(|error| with_hint(error, &scores))
     };
-    let paths = match args.html {
-        true => page::with_media(args, &exam, out, |media| publish(Some(media)))?,
-        false => publish(None)?,
+    let paths = match (args.html, is_withheld) {
+        (true, _) => page::with_media(args, &exam, out, |media| publish(Answers::Shown(media)))?,
+        (false, true) => publish(Answers::Withheld)?,
+        (false, false) => publish(Answers::Named)?,
     };
+    if is_withheld {
+        out.note("the set is private: what names its answers (board.json, taken.csv, the page) stays out, and the rest may be published");
+    }
 
     out.warnings(report);
     if args.json {

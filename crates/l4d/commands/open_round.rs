@@ -60,7 +60,11 @@ pub(crate) fn run(args: &OpenRoundArgs, out: &Printer) -> Result<ExitStatus> {
     } else {
         format!(" --rounds {}", args.rounds.display())
     };
-    out.note(format!("next: `l4d verify-prompts {} --as {first}{place}`", round.name));
+    out.note(format!("next: `l4d verify-prompts {} --as {first}{place}` in a terminal, or", round.name));
+    out.note(format!(
+        "`l4d open-round {} --pack {first}{place}` for a page to vote with in a browser",
+        round.name
+    ));
     Ok(ExitStatus::Success)
 }
 

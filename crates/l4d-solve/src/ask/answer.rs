@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::known::Known;
 use super::sureness::Sureness;
 use super::views::CameraView;
+use crate::consensus::Decision;
 use crate::solve::Solved;
 
 /// Longest reason of a failure that is repeated, characters.
@@ -131,11 +132,16 @@ fn visible(views: &[CameraView]) -> String {
 /// How many views are behind it.
 fn support(solved: &Solved) -> String {
     let (behind, all) = (solved.consensus.evidence.len(), solved.groundings.len());
-    let verb = if solved.consensus.settings.is_on { "agree" } else { "show it, unchecked" };
-    let support = if behind == 1 {
-        format!("1 of {all} views alone")
-    } else {
-        format!("{behind} of {all} views {verb}")
+    let support = match solved.consensus.decision {
+        _ if behind == 1 => format!("1 of {all} views alone"),
+        _ if !solved.consensus.settings.is_on => format!("{behind} of {all} views show it, unchecked"),
+        Decision::NoneReliableAll => {
+            format!("no two of {all} views agree; all {behind} that found something count")
+        }
+        Decision::TiedAll => {
+            format!("views contradict each other; all {behind} of {all} that found something count")
+        }
+        _ => format!("{behind} of {all} views agree"),
     };
     match failed(&solved.groundings).count() {
         0 => support,

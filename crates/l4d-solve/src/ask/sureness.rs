@@ -3,11 +3,13 @@
 //! The confidence is the mean over all views of what each says of its own choice, 0 for a view that found nothing. What
 //! it is worth was counted on `benchmark/dev` (docs/notes/panopticquery.md, "How sure an answer is").
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use l4d_ground::RunnerUp;
 use serde::Serialize;
 
+use crate::consensus::Decision;
 use crate::solve::Solved;
 
 /// Below it, at most two answers in five were right on dev.
@@ -20,9 +22,9 @@ const CLOSE: f64 = 0.8;
 pub(super) struct Sureness {
     /// 0 to 1.
     confidence: f64,
-    /// Whether the confidence is low, or the runner-up close.
+    /// Whether the confidence is low, the runner-up of some view close, or no two views agree.
     unsure: bool,
-    /// The next best of the view in which it is the closest.
+    /// The next best thing, with its mean over all views.
     #[serde(skip_serializing_if = "Option::is_none")]
     runner_up: Option<RunnerUp>,
 }
@@ -38,10 +40,15 @@ impl Sureness {
         }
         let views = solved.groundings.iter().filter(|grounding| grounding.outcome.is_answer()).count();
         let confidence = choices.iter().map(|choice| choice.confidence).sum::<f64>() / views.max(1) as f64;
-        let runner_up = choices.iter().filter_map(|choice| choice.runner_up.clone());
-        let runner_up = runner_up.max_by(|a, b| a.confidence.total_cmp(&b.confidence));
-        let is_close = runner_up.as_ref().is_some_and(|next| next.confidence > CLOSE * confidence);
-        Some(Self { confidence, unsure: confidence < UNSURE_BELOW || is_close, runner_up })
+        let runners_up = || choices.iter().filter_map(|choice| choice.runner_up.as_ref());
+        let is_close = runners_up().any(|next| next.confidence > CLOSE * confidence);
+        let no_two_agree = matches!(solved.consensus.decision, Decision::NoneReliableAll | Decision::TiedAll);
+        let mut sums: BTreeMap<&str, f64> = BTreeMap::new();
+        runners_up().for_each(|next| *sums.entry(&next.noun).or_default() += next.confidence);
+        let next_best = sums.into_iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
+        let runner_up = next_best
+            .map(|(noun, sum)| RunnerUp { noun: noun.to_owned(), confidence: sum / views.max(1) as f64 });
+        Some(Self { confidence, unsure: confidence < UNSURE_BELOW || is_close || no_two_agree, runner_up })
     }
 }
 
@@ -82,9 +89,9 @@ mod tests {
     #[test]
     fn views_that_found_nothing_make_it_less_sure() {
         let two = || vec![view(Some((0.8, Some(0.1)))), view(Some((0.6, None)))];
-        assert_eq!(of(two(), &[0, 1]).unwrap(), "confidence 0.70, next best a cup with 0.10");
+        assert_eq!(of(two(), &[0, 1]).unwrap(), "confidence 0.70, next best a cup with 0.05");
         let three = [two(), vec![view(None), view(None)]].concat();
-        assert_eq!(of(three, &[0, 1]).unwrap(), "confidence 0.35, next best a cup with 0.10");
+        assert_eq!(of(three, &[0, 1]).unwrap(), "confidence 0.35, next best a cup with 0.03");
         assert_eq!(of(two(), &[1]).unwrap(), "unsure, confidence 0.30");
     }
 

@@ -66,9 +66,7 @@ impl ClipsRequest {
             })
         };
         let model = place(wanted.model, WorkDir::splats)?;
-        let own = || -> Result<Option<Rig>, DataError> {
-            scene.map(|scene| Rig::read(&space.scene(scene).rig(space.profile()))).transpose()
-        };
+        let own = || -> Result<Option<Rig>, DataError> { scene.map(|scene| space.rig(scene)).transpose() };
         let rig = match wanted.cameras {
             Some(path) => Rig::read(path)?,
             None => own()?.ok_or_else(|| {

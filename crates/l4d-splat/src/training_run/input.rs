@@ -85,7 +85,8 @@ fn add(
     camera: &Camera,
     pictures: Vec<Picture>,
 ) -> Result<()> {
-    views.add(camera, source.camera_size, pictures).map_err(plain).at(dir.root().display())
+    let place = format!("{}: camera {}", dir.root().display(), camera.name);
+    views.add(camera, source.camera_size, pictures).map_err(plain).at(place)
 }
 
 /// One picture per moment; empty where the camera did not look.

@@ -156,9 +156,13 @@ impl PictureSource {
         self.cameras.iter().filter(|camera| camera.split == Split::Train)
     }
 
-    /// The one that is held out, if there is one.
+    /// The one that is held out, if there is one with pictures: those of a private test are not handed out.
     pub(super) fn held_out(&self) -> Option<&Camera> {
-        self.cameras.iter().find(|camera| camera.split == Split::Test)
+        let saw_something = |camera: &&Camera| match &self.source {
+            Source::Rendered { .. } => true,
+            Source::Recorded { rig, .. } => self.frames.iter().any(|frame| rig.saw(&camera.name, *frame)),
+        };
+        self.cameras.iter().filter(|camera| camera.split == Split::Test).find(saw_something)
     }
 
     /// What a camera saw; none where it did not look.

@@ -75,7 +75,7 @@ const ALWAYS: &[(&str, &str)] = &[
     ),
     ("check-results", "bench profile scenes set max_megabytes json"),
     ("score", "bench profile scenes set protocol scores resize max_megabytes verified_only force json"),
-    ("leaderboard", "bench profile scenes set out seed html force json"),
+    ("leaderboard", "bench profile scenes set out seed html with_answers force json"),
     ("bench splats", "profile data work sweeps view_count times repeats out force json"),
     ("bench lift", "profile bench data work noise view_count queries quick adapter out force json"),
     ("release", "bench check json"),

@@ -30,7 +30,7 @@ struct Manifest<'a> {
 
 pub(super) fn run(args: &ExportArgs, name: &Name, format: SplatFormat, out: &Printer) -> Result<ExitStatus> {
     let space = args.work.space(args.profile);
-    let rig = Rig::read(&space.scene(name).rig(args.profile))?;
+    let rig = space.rig(name)?;
     let timeline = rig.timeline();
     let splats = args.splats.clone().unwrap_or_else(|| space.work(name).splats());
     let source = Source::open(&splats, Default::default())?;
