@@ -416,7 +416,7 @@ fn methods_that_learned_from_depth_are_ranked_among_their_own() {
 #[ignore = "slow: makes scores of 20 230 queries"]
 fn a_page_of_twenty_thousand_queries_takes_less_than_300_mb() {
     let mut harness = Command::new("python3");
-    harness.arg(root().join("benchmark/perf/board.py")).args(["--l4d", env!("CARGO_BIN_EXE_l4d")]);
+    harness.arg(root().join("perf/board.py")).args(["--l4d", env!("CARGO_BIN_EXE_l4d")]);
     let said = succeed(harness.args("--methods 2 --copies 70 --repeat 1 -- --html".split(' ')));
     let report: Value = serde_json::from_str(said.lines().next().unwrap()).unwrap();
     assert_eq!(report["queries"], 20_230, "{report}");

@@ -38,6 +38,5 @@ mod splats;
 mod splats_render;
 mod support;
 mod unchanged;
-mod words;
 mod workflow;
 mod world;

@@ -248,7 +248,7 @@ pub(crate) fn compare_with_numpy(python: &Path) {
         let scores = dir.json("score results/noisy --profile tiny --missing zero");
         let reference = |extra: &[&str]| {
             let mut command = Command::new(python);
-            command.arg(root().join("benchmark/perf/reference_score.py"));
+            command.arg(root().join("perf/reference_score.py"));
             command.args(["results/noisy", "--profile", "tiny"]).args(extra).current_dir(dir.path(""));
             let run = Run::from(command.output().unwrap());
             run.says(0, &[]);

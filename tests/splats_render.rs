@@ -242,7 +242,8 @@ fn what_cannot_be_drawn_is_refused_before_anything_is_written() {
         render(&dir, more).says(2, parts);
     }
     dir.run("render-splats").says(2, &["<SCENE>"]);
-    dir.run("render-splats unknown --profile tiny").says(2, &["scene.json: cannot open"]);
+    dir.run("render-splats unknown --profile tiny")
+        .refused(&["unknown: scene: is not there", "build-scenes"]);
     assert!(!dir.path(CLIPS).exists());
     render(&dir, "--cameras moving.json --frames 12,24").says(0, &[]);
 }

@@ -53,10 +53,10 @@ fn main(
                 var u = vec4(0.0);
                 var v = 0.0;
                 if (any(light.open)) {
-                    let footprint = staged[i + slot];
-                    let step = blend(footprint, strip, &light);
+                    let splat2d = staged[i + slot];
+                    let step = blend(splat2d, strip, &light);
                     // Derivative by this Gaussian's weight, and the loss of all that is blended behind it.
-                    let by_weight = by_alpha + vec4(footprint.colour, footprint.depth) * shown;
+                    let by_weight = by_alpha + vec4(splat2d.colour, splat2d.depth) * shown;
                     so_far += step.weight * by_weight;
                     let behind = whole - so_far;
                     let derivative = step.before * by_weight - behind / (1.0 - step.alpha);

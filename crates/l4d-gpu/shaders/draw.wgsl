@@ -41,12 +41,12 @@ fn main(
         }
         let count = min(LANES, range.y - first);
         for (var i = 0u; i < count && any(light.open); i++) {
-            let footprint = staged[i];
-            let step = blend(footprint, strip, &light);
+            let splat2d = staged[i];
+            let step = blend(splat2d, strip, &light);
             let weight = step.weight;
-            let carried = vec4(footprint.colour, footprint.depth);
+            let carried = vec4(splat2d.colour, splat2d.depth);
             shown += mat4x4(weight.x * carried, weight.y * carried, weight.z * carried, weight.w * carried);
-            let depth = vec4(footprint.depth);
+            let depth = vec4(splat2d.depth);
             near = select(near, depth, step.blended & (step.before >= vec4(LEVELS.x)));
             median = select(median, depth, step.blended & (step.before >= vec4(LEVELS.y)));
             far = select(far, depth, step.blended & (step.before >= vec4(LEVELS.z)));

@@ -11,7 +11,7 @@ struct Part {
 // Along the optical axis, metres; 0 for what is not in front of the near plane. They come from outside, rounded
 // from f64, so that the order is the same everywhere.
 @group(0) @binding(4) var<storage, read> depths: array<f32>;
-@group(0) @binding(5) var<storage, read_write> footprints: array<Footprint>;
+@group(0) @binding(5) var<storage, read_write> splats2d: array<Splat2d>;
 // Tiles: first and end column, first and end row, 16 bits each.
 @group(0) @binding(6) var<storage, read_write> rects: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read_write> keys: array<u32>;
@@ -33,7 +33,7 @@ fn complain(index: u32, about: u32) {
 }
 
 // Display colour in the direction from the camera, not clamped.
-fn shade(index: u32, offset: vec3<f32>) -> vec3<f32> {
+fn sh_colour(index: u32, offset: vec3<f32>) -> vec3<f32> {
     let values = basis(direction_of(offset).xyz);
     let count = coefficients();
     let first = index * count * 3u;
@@ -63,7 +63,7 @@ fn main(
     order[index] = index;
     keys[index] = scene.hidden_key;
     rects[index] = vec2(0u);
-    footprints[index] = Footprint(vec2(0.0), vec2(0.0), 0.0, 0.0, 0.0, 0.0, vec3(0.0));
+    splats2d[index] = Splat2d(vec2(0.0), vec2(0.0), 0.0, 0.0, 0.0, 0.0, vec3(0.0));
 
     let gaussian = gaussians[index];
     let depth = depths[index];
@@ -84,8 +84,8 @@ fn main(
     let variance = vec2(xx, yy) + projection.blur;
     let area = cross(projection.first_scaled, projection.second_scaled);
     let determinant = dot(area, area) + projection.blur * (xx + yy) + projection.blur * projection.blur;
-    let across = sqrt(WHITE * (variance.y / determinant)) / projection.unit;
-    let down = sqrt(WHITE / variance.y) / projection.unit;
+    let across = sqrt(HALF_LOG2_E * (variance.y / determinant)) / projection.unit;
+    let down = sqrt(HALF_LOG2_E / variance.y) / projection.unit;
 
     let middle = 0.5 * (variance.x + variance.y);
     let difference = 0.5 * (variance.x - variance.y);
@@ -102,12 +102,12 @@ fn main(
     if (least.x >= most.x || least.y >= most.y) {
         return;
     }
-    let raw = shade(index, projection.offset);
+    let raw = sh_colour(index, projection.offset);
     if (!(finite(raw.x) && finite(raw.y) && finite(raw.z))) {
         complain(index, SH);
         return;
     }
-    footprints[index] = Footprint(
+    splats2d[index] = Splat2d(
         mean,
         vec2(across, -xy / variance.y * across),
         down,
@@ -121,7 +121,7 @@ fn main(
     // Of the tiles of that square only those matter that touch the box around the ellipse outside of which alpha is
     // too small; a little more, for rounding.
     let reach = max(log2(gaussian.opacity) + scene.span, 0.0);
-    let half = sqrt(variance * (reach / WHITE)) * projection.unit;
+    let half = sqrt(variance * (reach / HALF_LOG2_E)) * projection.unit;
     let margin = 0.01 + 1e-5 * (abs(mean) + half);
     let first = max(least, tile_at(mean - half - margin));
     let end = min(most, tile_at(mean + half + margin + f32(TILE)));

@@ -1,7 +1,7 @@
 // Backward over Gaussians: from sums over pixels to the derivatives by the splats.
 //
 // Written with the columns of the whitened projection, so that nothing cancels even where a Gaussian is a million
-// times longer than wide: L being the whitening matrix and q the picture of an own axis of unit length, L q is
+// times longer than wide: L being the conic factor and q the picture of an own axis of unit length, L q is
 // computed from differences of products of unscaled axes (see `whitened`), and all derivatives from L q.
 struct Part {
     // Gaussians.
@@ -12,7 +12,7 @@ struct Part {
 @group(0) @binding(1) var<uniform> scene: Scene;
 @group(0) @binding(2) var<storage, read> gaussians: array<Gaussian>;
 @group(0) @binding(3) var<storage, read> sh: array<f32>;
-@group(0) @binding(4) var<storage, read> footprints: array<Footprint>;
+@group(0) @binding(4) var<storage, read> splats2d: array<Splat2d>;
 // Ten per Gaussian, see backward.wgsl.
 @group(0) @binding(5) var<storage, read> sums: array<f32>;
 // Sixteen a Gaussian: mean (3), centre in normalised device coordinates (2), scale (3), quaternion (4), opacity,
@@ -21,18 +21,18 @@ struct Part {
 @group(0) @binding(7) var<storage, read_write> by_sh: array<f32>;
 
 // Derivative of the exponential with base 2, and what a variance is in units of the whitened exponent.
-const FACTOR: f32 = 2.0 * PER_EXPONENT / WHITE;
+const FACTOR: f32 = 2.0 * PER_EXPONENT / HALF_LOG2_E;
 
 // L q of the three own axes: first row, second row. With P the scaled axes and c the variance along y the first is
 // across / c * (blur * q.x + sum over j of P_j.y (P_j.y q.x - P_j.x q.y)).
-fn whitened(projection: Projection, scale: vec3<f32>, footprint: Footprint) -> array<vec2<f32>, 3> {
+fn whitened(projection: Projection, scale: vec3<f32>, splat2d: Splat2d) -> array<vec2<f32>, 3> {
     let variance = dot(projection.second_scaled, projection.second_scaled) + projection.blur;
     let share = projection.second_scaled * (scale / projection.unit);
     var columns: array<vec2<f32>, 3>;
     for (var k = 0u; k < 3u; k++) {
         let minors = projection.second * projection.first[k] - projection.first * projection.second[k];
         let along = (projection.blur * projection.first[k] + dot(share, minors)) / variance;
-        columns[k] = vec2(footprint.across.x * along, footprint.down * projection.second[k]);
+        columns[k] = vec2(splat2d.across.x * along, splat2d.down * projection.second[k]);
     }
     return columns;
 }
@@ -124,12 +124,12 @@ fn main(
     if (index >= part.count) {
         return;
     }
-    let footprint = footprints[index];
-    if (footprint.radius <= 0.0) {
+    let splat2d = splats2d[index];
+    if (splat2d.radius <= 0.0) {
         return;
     }
     let gaussian = gaussians[index];
-    let projection = linearize(gaussian, footprint.depth);
+    let projection = linearize(gaussian, splat2d.depth);
     let at = index * GRADIENT_SUMS;
     let by_colour = vec3(sums[at], sums[at + 1u], sums[at + 2u]);
     let by_depth = sums[at + 3u];
@@ -138,11 +138,11 @@ fn main(
     let second_sums = mat2x2(sums[at + 7u], sums[at + 8u], sums[at + 8u], sums[at + 9u]);
 
     let by_centre = 2.0 * PER_EXPONENT * vec2(
-        footprint.across.x * first_sums.x,
-        footprint.across.y * first_sums.x + footprint.down * first_sums.y,
+        splat2d.across.x * first_sums.x,
+        splat2d.across.y * first_sums.x + splat2d.down * first_sums.y,
     );
 
-    let columns = whitened(projection, gaussian.scale, footprint);
+    let columns = whitened(projection, gaussian.scale, splat2d);
     var by_scale: vec3<f32>;
     var by_axes: mat3x3<f32>;
     // Derivative by the length of all scaled axes together, and by the slopes at which the projection is taken.
@@ -157,12 +157,12 @@ fn main(
             dot(columns[0], pulled), dot(columns[1], pulled), dot(columns[2], pulled),
         ));
         let by_picture = vec2(
-            footprint.across.x * pulled.x,
-            footprint.across.y * pulled.x + footprint.down * pulled.y,
+            splat2d.across.x * pulled.x,
+            splat2d.across.y * pulled.x + splat2d.down * pulled.y,
         );
         by_slope += by_picture * (scale * dot(scene.ahead.xyz, projection.axes[k]));
     }
-    let depth = footprint.depth;
+    let depth = splat2d.depth;
     let ratio = scene.focal / depth;
     by_slope = select(-ratio * by_slope, vec2(0.0), projection.clamped);
 

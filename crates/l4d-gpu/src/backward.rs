@@ -57,7 +57,7 @@ pub(crate) fn backward(
     let by_gaussian = gpu.buffer("derivatives by gaussians", gaussian_bytes)?;
     let by_sh = gpu.buffer("derivatives by spherical harmonics", sh_bytes)?;
     let bindings =
-        [&scene.constants, &scene.gaussians, &scene.sh, &scene.footprints, &sums, &by_gaussian, &by_sh];
+        [&scene.constants, &scene.gaussians, &scene.sh, &scene.splats2d, &sums, &by_gaussian, &by_sh];
     commands.run(Pass::ProjectBackward, groups_of(count, LANES), &[count as u32], &bindings.map(whole))?;
     let by_gaussian = commands.copy_out(&by_gaussian, 0, gaussian_bytes)?;
     let by_sh = commands.copy_out(&by_sh, 0, sh_bytes)?;

@@ -16,7 +16,7 @@ use crate::upload::Uploaded;
 
 /// What the adapter says if no Gaussian overflows.
 const NO_OVERFLOW: u32 = u32::MAX;
-const FOOTPRINT_BYTES: u64 = 48;
+const SPLAT2D_BYTES: u64 = 48;
 /// Bytes that a pixel takes on its way in and out: eight floats.
 pub(crate) const PIXEL_BYTES: u64 = 32;
 
@@ -30,7 +30,7 @@ pub(crate) struct Projection<'a> {
     pub(crate) constants: Buffer,
     pub(crate) gaussians: Buffer,
     pub(crate) sh: Buffer,
-    pub(crate) footprints: Buffer,
+    pub(crate) splats2d: Buffer,
     /// Gaussians front to back, and where the pairs of each start; one more offset ends the last.
     pub(crate) order: Buffer,
     pub(crate) offsets: Buffer,
@@ -47,7 +47,7 @@ pub(crate) struct Projection<'a> {
 /// Gaussians on the picture plane, not yet assigned to tiles.
 struct ProjectedGaussians {
     constants: Buffer,
-    footprints: Buffer,
+    splats2d: Buffer,
     rects: Buffer,
     overflow: Buffer,
     entries: Entries,
@@ -125,7 +125,7 @@ impl<'a> Projection<'a> {
             constants: projected.constants,
             gaussians: uploaded.gaussians.clone(),
             sh: uploaded.sh.clone(),
-            footprints: projected.footprints,
+            splats2d: projected.splats2d,
             order,
             offsets,
             pairs: sorted.values,
@@ -146,7 +146,7 @@ impl<'a> Projection<'a> {
     ) -> Result<Buffer, GpuError> {
         let left = self.gpu.buffer("transmittance", 4 * self.view.pixel_count() as u64)?;
         let bindings: Vec<BindingResource<'_>> =
-            [&self.constants, &self.bounds, &self.pairs, &self.owners, &self.footprints, &left]
+            [&self.constants, &self.bounds, &self.pairs, &self.owners, &self.splats2d, &left]
                 .into_iter()
                 .chain(own.iter().copied())
                 .map(whole)
@@ -172,7 +172,7 @@ fn project(
     let depths = Depths::new(view, settings, splats);
     let constants = gpu.uniform("scene", &[SceneConstants::new(view, settings, splats, &depths)])?;
     let metres = gpu.filled("depths", &depths.metres)?;
-    let footprints = gpu.buffer("footprints", FOOTPRINT_BYTES * count)?;
+    let splats2d = gpu.buffer("splats2d", SPLAT2D_BYTES * count)?;
     let rects = gpu.buffer("tiles of Gaussians", 8 * count)?;
     let overflow = gpu.filled("overflow", &[NO_OVERFLOW])?;
     let entries = Entries::new(commands, "order of Gaussians", count as u32)?;
@@ -185,14 +185,14 @@ fn project(
             whole(&uploaded.gaussians),
             whole(&uploaded.sh),
             whole(&metres),
-            whole(&footprints),
+            whole(&splats2d),
             whole(&rects),
             whole(&entries.keys),
             whole(&entries.values),
             whole(&overflow),
         ],
     )?;
-    Ok(ProjectedGaussians { constants, footprints, rects, overflow, entries, key_bits: depths.key_bits() })
+    Ok(ProjectedGaussians { constants, splats2d, rects, overflow, entries, key_bits: depths.key_bits() })
 }
 
 /// What `project.wgsl` complains about.

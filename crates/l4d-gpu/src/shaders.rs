@@ -110,8 +110,8 @@ fn constants() -> String {
     ];
     let mut text: String =
         whole.iter().map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).collect();
-    // A variance along an axis to its squared whitening factor, and the derivative of 2^x at 0.
-    text += &format!("const WHITE: f32 = {:?};\n", 0.5 * std::f32::consts::LOG2_E);
+    // A variance along an axis to its squared conic factor, and the derivative of 2^x at 0.
+    text += &format!("const HALF_LOG2_E: f32 = {:?};\n", 0.5 * std::f32::consts::LOG2_E);
     text += &format!("const PER_EXPONENT: f32 = {:?};\n", std::f32::consts::LN_2);
     text
 }

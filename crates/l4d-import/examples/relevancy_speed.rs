@@ -1,4 +1,4 @@
-//! Relevancy of latents from files to masks, timed: the Rust side of `benchmark/perf/relevancy.py`.
+//! Relevancy of latents from files to masks, timed: the Rust side of `perf/relevancy.py`.
 //!
 //! ```text
 //! relevancy_speed DECODER.npz TEXTS.npz box30|pool29 LEVEL.npy... [-- LEVEL.npy...]

@@ -1,4 +1,4 @@
-//! The other side of `benchmark/perf/python_frames.py`: reads frames again and again, as the Rust reader gives them.
+//! The other side of `perf/python_frames.py`: reads frames again and again, as the Rust reader gives them.
 //!
 //! ```text
 //! read_frames <scene> <view> <frame> <repeats>

@@ -1,5 +1,5 @@
 //! Reads and decodes all PNG masks of a results folder and does nothing with them: the floor that
-//! `benchmark/perf/score.py` compares `l4d score` with.
+//! `perf/score.py` compares `l4d score` with.
 //!
 //!     decode_masks results/method
 

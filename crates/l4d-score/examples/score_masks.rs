@@ -1,5 +1,5 @@
 //! Scores a folder of results as `l4d score` does, in a binary without the rest of the toolkit, which
-//! `benchmark/perf/score.py` times.
+//! `perf/score.py` times.
 //!
 //!     score_masks PROFILE RESULTS SCORES [SCENE...]
 //!

@@ -1,4 +1,4 @@
-//! The part of `benchmark/perf/lift_field.py` that l4d does, on the first object of a rendered scene:
+//! The part of `perf/lift_field.py` that l4d does, on the first object of a rendered scene:
 //!
 //!     lift_scene data/small/room_office work/small/room_office/splats learn 2000
 //!     lift_scene data/small/room_office work/small/room_office/splats export FOLDER 8

@@ -1,6 +1,6 @@
 //! Times the CPU rasterizer on a scene from a file: `raster_speed SCENE.json THREADS REPEAT PICTURE.f32`.
 //!
-//! The format of the scene is in `benchmark/perf/splats_forward.py`, which calls this. Prints one JSON object with
+//! The format of the scene is in `perf/splats_forward.py`, which calls this. Prints one JSON object with
 //! the best times of `REPEAT` pictures, and writes the picture as rows of red, green, blue, alpha, summed depth.
 
 use std::error::Error;

@@ -14,7 +14,7 @@ struct Part {
 @group(0) @binding(3) var<storage, read> pairs: array<u32>;
 // Which Gaussian a pair belongs to.
 @group(0) @binding(4) var<storage, read> owners: array<u32>;
-@group(0) @binding(5) var<storage, read> footprints: array<Footprint>;
+@group(0) @binding(5) var<storage, read> splats2d: array<Splat2d>;
 // Transmittance of each pixel that the dispatches so far have left; negative where the pixel is finished.
 @group(0) @binding(6) var<storage, read_write> transmittances: array<f32>;
 
@@ -109,11 +109,11 @@ fn exp2_negative(x: vec4<f32>) -> vec4<f32> {
     return power * bitcast<vec4<f32>>(exponent);
 }
 
-fn blend(footprint: Footprint, strip: Strip, light: ptr<function, Light>) -> Step {
-    let offset = vec2(f32(strip.column), f32(strip.row)) - footprint.mean;
-    let v = footprint.down * offset.y;
-    let u = dot(footprint.across, offset) + footprint.across.x * STEPS;
-    let alpha = min(footprint.opacity * exp2_negative(u * u + v * v), vec4(scene.alpha_max));
+fn blend(splat2d: Splat2d, strip: Strip, light: ptr<function, Light>) -> Step {
+    let offset = vec2(f32(strip.column), f32(strip.row)) - splat2d.mean;
+    let v = splat2d.down * offset.y;
+    let u = dot(splat2d.across, offset) + splat2d.across.x * STEPS;
+    let alpha = min(splat2d.opacity * exp2_negative(u * u + v * v), vec4(scene.alpha_max));
     let before = (*light).transmittance;
     let after = before * (1.0 - alpha);
     let shows = (*light).open & (alpha >= vec4(scene.alpha_min));

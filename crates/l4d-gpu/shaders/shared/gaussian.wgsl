@@ -11,7 +11,7 @@ struct Gaussian {
 }
 
 // A visible Gaussian on the picture plane.
-struct Footprint {
+struct Splat2d {
     // Centre in pixels, whole numbers being the centres of pixels.
     mean: vec2<f32>,
     // With `down` the upper triangle (xx, xy, yy) of the matrix that maps an offset from the centre to (u, v), such

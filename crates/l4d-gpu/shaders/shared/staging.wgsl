@@ -1,5 +1,5 @@
 // Brings the Gaussians of a tile near, as many at a time as there are lanes, until none of its pixels is open.
-var<workgroup> staged: array<Footprint, LANES>;
+var<workgroup> staged: array<Splat2d, LANES>;
 var<workgroup> staged_pairs: array<u32, LANES>;
 var<workgroup> staged_owners: array<u32, LANES>;
 var<workgroup> tile_range: vec2<u32>;
@@ -26,7 +26,7 @@ fn load_batch(first: u32, end: u32, lane: u32, light: Light) -> bool {
     if (first + lane < end) {
         let pair = pairs[first + lane];
         let owner = owners[pair];
-        staged[lane] = footprints[owner];
+        staged[lane] = splats2d[owner];
         staged_pairs[lane] = pair;
         staged_owners[lane] = owner;
     }

@@ -27,7 +27,7 @@ use crate::view::View;
 use binning::TileBins;
 use blend::{Limits, Tile};
 use pixel_mask::PixelMask;
-use projection::{Footprint, Projection};
+use projection::{Projection, Splat2d};
 
 /// Draws on the processor.
 #[derive(Debug, Clone, Copy)]
@@ -86,9 +86,9 @@ impl Cpu {
     ) -> Result<ProjectedScene<'a>, RasterError> {
         settings.check()?;
         let projection = Projection::new(view, settings);
-        let footprints = binning::front_to_back(self, &projection, splats, &mask)?;
+        let splats2d = binning::front_to_back(self, &projection, splats, &mask)?;
         let limits = Limits::new(settings);
-        let bins = TileBins::new(&footprints, &limits, &mask, view)?;
+        let bins = TileBins::new(&splats2d, &limits, &mask, view)?;
         Ok(ProjectedScene {
             cpu: self,
             splats,
@@ -97,7 +97,7 @@ impl Cpu {
             projection,
             limits,
             mask,
-            footprints,
+            splats2d,
             bins,
         })
     }
@@ -151,7 +151,7 @@ struct ProjectedScene<'a> {
     limits: Limits,
     mask: PixelMask,
     /// Visible Gaussians, front to back.
-    footprints: Vec<Footprint>,
+    splats2d: Vec<Splat2d>,
     /// Which of them touch which tile.
     bins: TileBins,
 }
@@ -162,7 +162,7 @@ impl ProjectedScene<'_> {
         let picture = [self.view.width() as usize, self.view.height() as usize];
         let size = [0, 1].map(|axis| TILE.min(picture[axis] - origin[axis]));
         Tile {
-            footprints: &self.footprints,
+            splats2d: &self.splats2d,
             ranks: self.bins.of(index),
             origin,
             size,

@@ -13,7 +13,7 @@ import numpy as np
 import torch
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parents[3] / "benchmark" / "perf"))
+sys.path.insert(0, str(HERE.parents[3] / "perf"))
 
 from reference_splats import Splats, View, draw  # noqa: E402
 

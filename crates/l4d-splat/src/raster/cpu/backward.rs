@@ -6,7 +6,7 @@
 use fearless_simd::{Select as _, f32x8, prelude::*};
 
 use super::blend::{BlendStep, LANES, Plane, Tile, Visitor, blend_tile};
-use super::projection::Footprint;
+use super::projection::Splat2d;
 use super::{Kernel, ProjectedScene};
 use crate::raster::{Drawing, DrawingGradient, TILE};
 
@@ -14,7 +14,7 @@ use crate::raster::{Drawing, DrawingGradient, TILE};
 pub(super) const GRADIENT_SUMS: usize = 10;
 
 /// Of one Gaussian, summed over pixels: derivative by colour (3), by depth, and, each weighted with the derivative by
-/// the natural logarithm of alpha: 1, u, v, u^2, uv, v^2 (see [`Footprint::axes`]).
+/// the natural logarithm of alpha: 1, u, v, u^2, uv, v^2 (see [`Splat2d::axes`]).
 pub(super) type GradientSums = [f64; GRADIENT_SUMS];
 
 /// The sums of the visible Gaussians, front to back; zero for those that do not learn.
@@ -24,7 +24,7 @@ pub(super) fn gradient_sums(
     gradient: &DrawingGradient,
     trainable: Option<&[bool]>,
 ) -> Vec<GradientSums> {
-    let totals = scene.bins.sums(GRADIENT_SUMS, scene.footprints.len(), |index, sums| {
+    let totals = scene.bins.sums(GRADIENT_SUMS, scene.splats2d.len(), |index, sums| {
         if sums.is_empty() {
             return;
         }
@@ -125,15 +125,15 @@ struct AxisSwap<S: Simd> {
 impl<S: Simd> AxisSwap<S> {
     /// None for most Gaussians.
     #[inline(always)]
-    fn new(simd: S, footprint: &Footprint, left_edge: usize) -> Option<Self> {
-        if !footprint.is_row_aligned() {
+    fn new(simd: S, splat2d: &Splat2d, left_edge: usize) -> Option<Self> {
+        if !splat2d.is_row_aligned() {
             return None;
         }
-        let [xx, xy, yy] = footprint.whitening;
-        let turned = footprint.axes().whitening[2];
+        let [xx, xy, yy] = splat2d.conic_factor;
+        let turned = splat2d.axes().conic_factor[2];
         let column = |half: usize, lane: usize| {
             // In f64: what is left of u and v has no digits for the place along the Gaussian.
-            (turned * ((left_edge + half * LANES + lane) as f64 - footprint.mean[0])) as f32
+            (turned * ((left_edge + half * LANES + lane) as f64 - splat2d.mean[0])) as f32
         };
         let half = |half: usize| {
             let mut lanes = [0.0; LANES];
@@ -170,16 +170,16 @@ struct BackwardVisitor<'a, S: Simd> {
 
 impl<S: Simd> Visitor<S> for BackwardVisitor<'_, S> {
     #[inline(always)]
-    fn begin(&mut self, simd: S, footprint: &Footprint) {
-        let [red, green, blue] = footprint.colour;
+    fn begin(&mut self, simd: S, splat2d: &Splat2d) {
+        let [red, green, blue] = splat2d.colour;
         self.shown = [
             f32x8::splat(simd, red),
             f32x8::splat(simd, green),
             f32x8::splat(simd, blue),
-            f32x8::splat(simd, footprint.depth),
+            f32x8::splat(simd, splat2d.depth),
         ];
-        self.is_trainable = self.trainable.is_none_or(|trainable| trainable[footprint.index as usize]);
-        self.axis_swap = AxisSwap::new(simd, footprint, self.left_edge);
+        self.is_trainable = self.trainable.is_none_or(|trainable| trainable[splat2d.index as usize]);
+        self.axis_swap = AxisSwap::new(simd, splat2d, self.left_edge);
         self.running = [f32x8::splat(simd, 0.0); GRADIENT_SUMS];
     }
 

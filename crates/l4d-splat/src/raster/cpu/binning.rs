@@ -8,7 +8,7 @@ use super::Cpu;
 use super::blend::Limits;
 use super::pixel_mask::PixelMask;
 use super::project_simd::Project;
-use super::projection::{Footprint, Projection};
+use super::projection::{Projection, Splat2d};
 use crate::gaussians::BadValue;
 use crate::raster::{RasterError, TILE};
 use crate::splats::Splats;
@@ -27,24 +27,24 @@ pub(super) fn front_to_back(
     projection: &Projection,
     splats: &Splats,
     mask: &PixelMask,
-) -> Result<Vec<Footprint>, RasterError> {
-    let chunks: Vec<Result<Vec<Footprint>, BadValue>> = (0..splats.len().div_ceil(CHUNK))
+) -> Result<Vec<Splat2d>, RasterError> {
+    let chunks: Vec<Result<Vec<Splat2d>, BadValue>> = (0..splats.len().div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
             let first = chunk * CHUNK;
             let count = CHUNK.min(splats.len() - first);
-            let mut footprints = cpu.run(Project { projection, splats, first, count })?;
-            footprints.retain(|footprint| mask.may_cover(footprint));
-            Ok(footprints)
+            let mut splats2d = cpu.run(Project { projection, splats, first, count })?;
+            splats2d.retain(|splat2d| mask.may_cover(splat2d));
+            Ok(splats2d)
         })
         .collect();
     // Chunks come in order, so the first error is that of the lowest index, whatever thread met it.
     let chunks = chunks.into_iter().collect::<Result<Vec<_>, _>>().map_err(RasterError::Overflow)?;
     let mut keys = Vec::with_capacity(chunks.iter().map(Vec::len).sum());
-    for (chunk, footprints) in chunks.iter().enumerate() {
-        keys.extend(footprints.iter().enumerate().map(|(position, footprint)| {
+    for (chunk, splats2d) in chunks.iter().enumerate() {
+        keys.extend(splats2d.iter().enumerate().map(|(position, splat2d)| {
             // Depths are positive, so their bits are in their order.
-            (footprint.depth.to_bits(), (chunk * CHUNK + position) as u32)
+            (splat2d.depth.to_bits(), (chunk * CHUNK + position) as u32)
         }));
     }
     // The place breaks ties, so that an unstable sort is deterministic.
@@ -76,20 +76,20 @@ struct TileSpan {
 
 impl TileBins {
     pub(super) fn new(
-        footprints: &[Footprint],
+        splats2d: &[Splat2d],
         limits: &Limits,
         mask: &PixelMask,
         view: &View,
     ) -> Result<Self, RasterError> {
         let columns = (view.width() as usize).div_ceil(TILE);
         let rows = (view.height() as usize).div_ceil(TILE);
-        let spans: Vec<Vec<TileSpan>> = footprints
+        let spans: Vec<Vec<TileSpan>> = splats2d
             .par_chunks(CHUNK)
             .enumerate()
-            .map(|(chunk, footprints)| {
-                let mut spans = Vec::with_capacity(2 * footprints.len());
-                for (position, footprint) in footprints.iter().enumerate() {
-                    touched((chunk * CHUNK + position) as u32, footprint, limits, &mut spans);
+            .map(|(chunk, splats2d)| {
+                let mut spans = Vec::with_capacity(2 * splats2d.len());
+                for (position, splat2d) in splats2d.iter().enumerate() {
+                    touched((chunk * CHUNK + position) as u32, splat2d, limits, &mut spans);
                 }
                 spans
             })
@@ -209,24 +209,24 @@ impl TileBins {
 
 /// Tiles of the square in which the Gaussian is drawn that may also meet the ellipse outside of which its alpha is too
 /// small to be blended: exactly those where there are many, those of its bounding box where there are few.
-fn touched(rank: u32, footprint: &Footprint, limits: &Limits, spans: &mut Vec<TileSpan>) {
-    let reach = f64::from(footprint.log_opacity) + f64::from(limits.span);
+fn touched(rank: u32, splat2d: &Splat2d, limits: &Limits, spans: &mut Vec<TileSpan>) {
+    let reach = f64::from(splat2d.log_opacity) + f64::from(limits.span);
     if reach <= 0.0 {
         return;
     }
-    let ellipse = Ellipse::new(footprint, reach);
-    let [first_column, end_column, first_row, end_row] = footprint.tiles;
-    let rows = tiles(footprint.mean[1], [-ellipse.half_height, ellipse.half_height], [first_row, end_row]);
+    let ellipse = Ellipse::new(splat2d, reach);
+    let [first_column, end_column, first_row, end_row] = splat2d.tiles;
+    let rows = tiles(splat2d.mean[1], [-ellipse.half_height, ellipse.half_height], [first_row, end_row]);
     let columns =
-        tiles(footprint.mean[0], [-ellipse.half_width, ellipse.half_width], [first_column, end_column]);
+        tiles(splat2d.mean[0], [-ellipse.half_width, ellipse.half_width], [first_column, end_column]);
     let width = columns[1].saturating_sub(columns[0]);
     let few = width <= 2 || rows[1].saturating_sub(rows[0]) <= 2;
     for row in rows[0]..rows[1] {
         let columns = if few {
             columns
         } else {
-            let top = f64::from(row) * TILE as f64 - footprint.mean[1];
-            tiles(footprint.mean[0], ellipse.extent([top, top + TILE as f64 - 1.0]), columns)
+            let top = f64::from(row) * TILE as f64 - splat2d.mean[1];
+            tiles(splat2d.mean[0], ellipse.extent([top, top + TILE as f64 - 1.0]), columns)
         };
         if columns[0] < columns[1] {
             spans.push(TileSpan { rank, row, columns });
@@ -255,8 +255,8 @@ struct Ellipse {
 }
 
 impl Ellipse {
-    fn new(footprint: &Footprint, reach: f64) -> Self {
-        let [xx, xy, yy] = footprint.whitening;
+    fn new(splat2d: &Splat2d, reach: f64) -> Self {
+        let [xx, xy, yy] = splat2d.conic_factor;
         let (skew, per_u) = (xy / yy, 1.0 / xx);
         Self {
             reach,
@@ -286,12 +286,12 @@ mod tests {
     use super::*;
 
     /// A Gaussian whose alpha is large enough to be blended where u^2 + v^2 <= 6.25.
-    fn footprint(mean: [f64; 2], whitening: [f64; 3]) -> (Footprint, Limits) {
+    fn splat2d(mean: [f64; 2], conic_factor: [f64; 3]) -> (Splat2d, Limits) {
         let limits = Limits { alpha_min: 0.0, alpha_max: 1.0, transmittance_min: 0.0, span: 6.25 };
         let tiles = [0, 40, 0, 30];
-        let footprint = Footprint {
+        let splat2d = Splat2d {
             mean,
-            whitening,
+            conic_factor,
             log_opacity: 0.0,
             colour: [0.0; 3],
             depth: 1.0,
@@ -299,7 +299,7 @@ mod tests {
             radius: 1e3,
             tiles,
         };
-        (footprint, limits)
+        (splat2d, limits)
     }
 
     #[test]
@@ -311,14 +311,14 @@ mod tests {
             ([15.5, 15.5], [1.0, 0.0, 1.0]),
             ([630.0, 2.0], [0.02, 0.7, 0.7]),
         ];
-        for (mean, whitening) in shapes {
-            let (footprint, limits) = footprint(mean, whitening);
+        for (mean, conic_factor) in shapes {
+            let (splat2d, limits) = splat2d(mean, conic_factor);
             let mut spans = Vec::new();
-            touched(0, &footprint, &limits, &mut spans);
+            touched(0, &splat2d, &limits, &mut spans);
             let listed = |column: u16, row: u16| {
                 spans.iter().any(|s| s.row == row && (s.columns[0]..s.columns[1]).contains(&column))
             };
-            let [xx, xy, yy] = whitening;
+            let [xx, xy, yy] = conic_factor;
             for row in 0..30_u16 {
                 for column in 0..40_u16 {
                     let inside = (0..256).any(|pixel| {
@@ -332,7 +332,7 @@ mod tests {
             }
             // Lines between pixel centres may be touched where no centre is: a few tiles, not a whole box.
             let exact = spans.iter().map(|s| usize::from(s.columns[1] - s.columns[0])).sum::<usize>();
-            assert!(whitening != [0.8, -0.6, 0.004] || exact < 130, "{exact}");
+            assert!(conic_factor != [0.8, -0.6, 0.004] || exact < 130, "{exact}");
         }
     }
 

@@ -9,7 +9,7 @@
 use fearless_simd::{Select as _, f32x8, mask32x8, prelude::*};
 
 use super::pixel_mask::TileMask;
-use super::projection::Footprint;
+use super::projection::Splat2d;
 use crate::raster::{RasterSettings, TILE};
 
 /// Pixels that are computed at once.
@@ -80,7 +80,7 @@ impl Limits {
 #[derive(Clone, Copy)]
 pub(super) struct Tile<'a> {
     /// Visible Gaussians, front to back.
-    pub(super) footprints: &'a [Footprint],
+    pub(super) splats2d: &'a [Splat2d],
     /// Those of this tile.
     pub(super) ranks: &'a [u32],
     /// Upper left pixel: column, row.
@@ -122,7 +122,7 @@ pub(super) struct BlendStep<S: Simd> {
     pub(super) open: mask32x8<S>,
     /// Blend weight, 0 where nothing is blended.
     pub(super) weight: f32x8<S>,
-    /// Offset from the Gaussian's centre, whitened (see [`Footprint::whitening`]).
+    /// Offset from the Gaussian's centre, whitened (see [`Splat2d::conic_factor`]).
     pub(super) u: f32x8<S>,
     /// The same for all pixels of a row.
     pub(super) v: f32,
@@ -131,7 +131,7 @@ pub(super) struct BlendStep<S: Simd> {
 /// What is done with the weights.
 pub(super) trait Visitor<S: Simd> {
     /// A Gaussian that may show in the tile.
-    fn begin(&mut self, simd: S, footprint: &Footprint);
+    fn begin(&mut self, simd: S, splat2d: &Splat2d);
     /// One group of pixels of that Gaussian.
     fn blend(&mut self, simd: S, group: usize, step: BlendStep<S>);
     /// All groups of that Gaussian have been visited: its position in the tile's list.
@@ -152,10 +152,10 @@ struct RowTerms {
 impl RowTerms {
     /// Also returns the change of u from a pixel to its right neighbour.
     #[inline(always)]
-    fn new<S: Simd>(simd: S, footprint: &Footprint, origin: [usize; 2], span: f32) -> (Self, f32) {
-        let [xx, xy, yy] = footprint.whitening;
-        let dx = origin[0] as f64 - footprint.mean[0];
-        let dy = origin[1] as f64 - footprint.mean[1];
+    fn new<S: Simd>(simd: S, splat2d: &Splat2d, origin: [usize; 2], span: f32) -> (Self, f32) {
+        let [xx, xy, yy] = splat2d.conic_factor;
+        let dx = origin[0] as f64 - splat2d.mean[0];
+        let dy = origin[1] as f64 - splat2d.mean[1];
         // In f64 up to the tile's corner: within the tile all terms are small again.
         let (corner_u, corner_v) = ((xx * dx + xy * dy) as f32, (yy * dy) as f32);
         let (across, down_u, down_v) = (xx as f32, xy as f32, yy as f32);
@@ -165,7 +165,7 @@ impl RowTerms {
             let y = f32x8::simd_from(simd, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]) + first as f32;
             let u = y.mul_add(splat(down_u), splat(corner_u));
             let v = y.mul_add(splat(down_v), splat(corner_v));
-            let crest = splat(footprint.log_opacity) - v * v;
+            let crest = splat(splat2d.log_opacity) - v * v;
             // NaN, and so no comparison is true, where the row passes by the ellipse.
             let reach = (crest + span).sqrt();
             let touched = |from: f32, to: f32| {
@@ -197,14 +197,14 @@ pub(super) fn blend_tile<S: Simd, V: Visitor<S>>(
     let left_columns = f32x8::simd_from(simd, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
     let right_columns = left_columns + LANES as f32;
     for (entry, &rank) in tile.ranks.iter().enumerate() {
-        let footprint = &tile.footprints[rank as usize];
-        let (rows, across) = RowTerms::new(simd, footprint, tile.origin, limits.span);
+        let splat2d = &tile.splats2d[rank as usize];
+        let (rows, across) = RowTerms::new(simd, splat2d, tile.origin, limits.span);
         let mut touched = rows.touched & groups;
         if touched == 0 {
             continue;
         }
         let slopes = [left_columns * across, right_columns * across];
-        visitor.begin(simd, footprint);
+        visitor.begin(simd, splat2d);
         while touched != 0 {
             let group = touched.trailing_zeros() as usize % GROUPS;
             touched &= touched - 1;

@@ -4,7 +4,7 @@ use fearless_simd::{f32x8, prelude::*};
 use rayon::prelude::*;
 
 use super::blend::{BlendStep, LANES, Plane, Tile, Visitor, blend_tile};
-use super::projection::Footprint;
+use super::projection::Splat2d;
 use super::{Kernel, ProjectedScene};
 use crate::raster::TILE;
 
@@ -51,15 +51,15 @@ pub(super) fn gather_features(scene: &ProjectedScene<'_>, pixels: &[f32], channe
     let mut features = vec![0.0; scene.splats.len() * channels];
     for first in (0..channels).step_by(CHANNELS) {
         let block = first..channels.min(first + CHANNELS);
-        let totals = scene.bins.sums(block.len(), scene.footprints.len(), |index, sums| {
+        let totals = scene.bins.sums(block.len(), scene.splats2d.len(), |index, sums| {
             let tile = scene.tile(index);
             let planes: Vec<Plane> =
                 block.clone().map(|channel| channel_plane(scene, &tile, pixels, channels, channel)).collect();
             let running = [[0.0; LANES]; CHANNELS];
             scene.cpu.run(GatherFeatures { scene, tile, planes: &planes, sums, running });
         });
-        for (footprint, total) in scene.footprints.iter().zip(totals.chunks_exact(block.len())) {
-            let feature = &mut features[footprint.index as usize * channels..][..channels];
+        for (splat2d, total) in scene.splats2d.iter().zip(totals.chunks_exact(block.len())) {
+            let feature = &mut features[splat2d.index as usize * channels..][..channels];
             for (value, &total) in feature[block.clone()].iter_mut().zip(total) {
                 *value = total as f32;
             }
@@ -109,8 +109,8 @@ impl Kernel for SplatFeatures<'_> {
 
 impl<S: Simd> Visitor<S> for SplatFeatures<'_> {
     #[inline(always)]
-    fn begin(&mut self, _simd: S, footprint: &Footprint) {
-        self.index = footprint.index as usize;
+    fn begin(&mut self, _simd: S, splat2d: &Splat2d) {
+        self.index = splat2d.index as usize;
     }
 
     #[inline(always)]
@@ -146,7 +146,7 @@ impl Kernel for GatherFeatures<'_> {
 
 impl<S: Simd> Visitor<S> for GatherFeatures<'_> {
     #[inline(always)]
-    fn begin(&mut self, _simd: S, _footprint: &Footprint) {
+    fn begin(&mut self, _simd: S, _footprint: &Splat2d) {
         self.running = [[0.0; LANES]; CHANNELS];
     }
 

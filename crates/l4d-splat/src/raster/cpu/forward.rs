@@ -4,7 +4,7 @@ use fearless_simd::{Select as _, f32x8, prelude::*};
 use rayon::prelude::*;
 
 use super::blend::{BlendStep, Plane, Tile, Visitor, blend_tile};
-use super::projection::Footprint;
+use super::projection::Splat2d;
 use super::{Kernel, ProjectedScene};
 use crate::raster::{DepthQuantiles, Drawing, TILE};
 
@@ -28,10 +28,10 @@ struct ForwardVisitor<'a, S: Simd> {
 
 impl<S: Simd> Visitor<S> for ForwardVisitor<'_, S> {
     #[inline(always)]
-    fn begin(&mut self, simd: S, footprint: &Footprint) {
-        let [red, green, blue] = footprint.colour;
+    fn begin(&mut self, simd: S, splat2d: &Splat2d) {
+        let [red, green, blue] = splat2d.colour;
         self.colour = [f32x8::splat(simd, red), f32x8::splat(simd, green), f32x8::splat(simd, blue)];
-        self.depth = f32x8::splat(simd, footprint.depth);
+        self.depth = f32x8::splat(simd, splat2d.depth);
     }
 
     #[inline(always)]

@@ -4,7 +4,9 @@ use rayon::prelude::*;
 
 use super::ProjectedScene;
 use super::backward::{GRADIENT_SUMS, GradientSums};
-use super::projection::{Footprint, Linearization, PER_EXPONENT, Projection, WHITE, direction, dot, shade};
+use super::projection::{
+    HALF_LOG2_E, Linearization, PER_EXPONENT, Projection, Splat2d, direction, dot, sh_colour,
+};
 use crate::raster::sh;
 use crate::splats::{SplatGradients, Splats};
 
@@ -17,8 +19,8 @@ const HIDDEN: u32 = u32::MAX;
 pub(super) fn splat_gradients(scene: &ProjectedScene<'_>, sums: &[GradientSums]) -> SplatGradients {
     let splats = scene.splats;
     let mut places = vec![HIDDEN; splats.len()];
-    for (place, footprint) in scene.footprints.iter().enumerate() {
-        places[footprint.index as usize] = place as u32;
+    for (place, splat2d) in scene.splats2d.iter().enumerate() {
+        places[splat2d.index as usize] = place as u32;
     }
     let mut gradients = SplatGradients::zeros(splats);
     (
@@ -42,16 +44,16 @@ pub(super) fn splat_gradients(scene: &ProjectedScene<'_>, sums: &[GradientSums])
             if sums[place as usize] == [0.0; GRADIENT_SUMS] {
                 return;
             }
-            let footprint = &scene.footprints[place as usize];
-            let linear = scene.projection.linearize(splats, footprint.index as usize);
+            let splat2d = &scene.splats2d[place as usize];
+            let linear = scene.projection.linearize(splats, splat2d.index as usize);
             let geometry = through_projection_and_covariance(
                 &scene.projection,
                 splats,
-                footprint,
+                splat2d,
                 &linear,
                 &sums[place as usize],
             );
-            let by_direction = through_colour(splats, footprint, &linear, &sums[place as usize], sh);
+            let by_direction = through_colour(splats, splat2d, &linear, &sums[place as usize], sh);
             *mean = std::array::from_fn(|axis| (geometry.mean[axis] + by_direction[axis]) as f32);
             *scale = geometry.scale.map(|value| value as f32);
             *rotation = geometry.rotation.map(|value| value as f32);
@@ -72,22 +74,22 @@ struct GeometryGradient {
 fn through_projection_and_covariance(
     projection: &Projection,
     splats: &Splats,
-    footprint: &Footprint,
+    splat2d: &Splat2d,
     linear: &Linearization,
     sums: &GradientSums,
 ) -> GeometryGradient {
     let &[_, _, _, by_depth, by_log_alpha, along, across, uu, uv, vv] = sums;
-    let axes = footprint.axes();
-    let [xx, xy, yy] = axes.whitening;
-    let index = footprint.index as usize;
+    let axes = splat2d.axes();
+    let [xx, xy, yy] = axes.conic_factor;
+    let index = splat2d.index as usize;
 
     // The exponent -(u^2 + v^2) by the centre, (u, v) being the whitened offset of the pixel from it.
     let by_mean =
         axes.order([2.0 * PER_EXPONENT * xx * along, 2.0 * PER_EXPONENT * (xy * along + yy * across)]);
-    // S = P P^T + blur, P = T R diag(s), T from world axes to the picture. With S^-1 = L^T L / WHITE the exponent
-    // changes with P by 2 / WHITE L^T p p^T L P, p = (u, v), summed over pixels.
+    // S = P P^T + blur, P = T R diag(s), T from world axes to the picture. With S^-1 = L^T L / HALF_LOG2_E the exponent
+    // changes with P by 2 / HALF_LOG2_E L^T p p^T L P, p = (u, v), summed over pixels.
     let [whitened_u, whitened_v] = projection.whitened(&axes, linear);
-    let factor = 2.0 * PER_EXPONENT / WHITE;
+    let factor = 2.0 * PER_EXPONENT / HALF_LOG2_E;
     let mut by_picture = [[0.0; 3]; 2];
     for k in 0..3 {
         let by_u = factor * (uu * whitened_u[k] + uv * whitened_v[k]);
@@ -168,13 +170,13 @@ fn by_quaternion([w, x, y, z]: [f64; 4], g: [[f64; 3]; 3]) -> [f64; 4] {
 /// Writes the gradient of the spherical harmonics; returns that by the offset from the camera.
 fn through_colour(
     splats: &Splats,
-    footprint: &Footprint,
+    splat2d: &Splat2d,
     linear: &Linearization,
     sums: &GradientSums,
     by_sh: &mut [[f32; 3]],
 ) -> [f64; 3] {
-    let index = footprint.index as usize;
-    let raw = shade(splats, index, linear.offset);
+    let index = splat2d.index as usize;
+    let raw = sh_colour(splats, index, linear.offset);
     let by_colour: [f32; 3] =
         std::array::from_fn(|channel| if raw[channel] < 0.0 { 0.0 } else { sums[channel] as f32 });
     let degree = splats.sh_degree();

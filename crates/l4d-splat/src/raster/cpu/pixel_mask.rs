@@ -1,6 +1,6 @@
 //! Which pixels of a picture are drawn, by tile.
 
-use super::projection::Footprint;
+use super::projection::Splat2d;
 use crate::raster::{RasterSettings, TILE};
 use crate::view::View;
 
@@ -67,13 +67,13 @@ impl PixelMask {
     }
 
     /// Whether a Gaussian may cover a marked pixel.
-    pub(super) fn may_cover(&self, footprint: &Footprint) -> bool {
+    pub(super) fn may_cover(&self, splat2d: &Splat2d) -> bool {
         if self.counts.is_empty() {
             return true;
         }
-        let half = self.reach * f64::from(footprint.radius) + 1.0;
+        let half = self.reach * f64::from(splat2d.radius) + 1.0;
         // Casts cut off and saturate.
-        let corner = |axis: usize, side: f64| ((footprint.mean[axis] + side) as usize).min(self.size[axis]);
+        let corner = |axis: usize, side: f64| ((splat2d.mean[axis] + side) as usize).min(self.size[axis]);
         let [left, top] = [0, 1].map(|axis| corner(axis, -half));
         let [right, bottom] = [0, 1].map(|axis| corner(axis, half + 1.0));
         let count = |column: usize, row: usize| self.counts[row * (self.size[0] + 1) + column];
@@ -98,7 +98,7 @@ mod tests {
         let has: Vec<bool> = (0..6).map(|tile| mask.has_tile(tile)).collect();
         assert_eq!(has, [false, false, false, false, false, true]);
         // 3.33 standard deviations of a third of the radius, and a pixel.
-        let meets = |mean, radius| mask.may_cover(&footprint(mean, radius));
+        let meets = |mean, radius| mask.may_cover(&splat2d(mean, radius));
         assert!(meets([35.0, 17.0], 1.0) && meets([30.0, 17.0], 4.0) && meets([35.0, 30.0], 10.0));
         assert!(!meets([30.0, 17.0], 3.0) && !meets([35.0, 30.0], 9.0) && !meets([-90.0, -90.0], 20.0));
         let all = PixelMask::all(&view);
@@ -106,13 +106,13 @@ mod tests {
             (all.of_tile(0)[3], all.of_tile(2)[3], all.of_tile(3)[3], all.of_tile(3)[4]),
             (0xffff, 0xff, 0xffff, 0)
         );
-        assert!(all.has_tile(3) && all.may_cover(&footprint([-90.0, -90.0], 20.0)));
+        assert!(all.has_tile(3) && all.may_cover(&splat2d([-90.0, -90.0], 20.0)));
     }
 
-    fn footprint(mean: [f64; 2], radius: f32) -> Footprint {
-        Footprint {
+    fn splat2d(mean: [f64; 2], radius: f32) -> Splat2d {
+        Splat2d {
             mean,
-            whitening: [1.0, 0.0, 1.0],
+            conic_factor: [1.0, 0.0, 1.0],
             log_opacity: 0.0,
             colour: [0.0; 3],
             depth: 1.0,

@@ -1,9 +1,9 @@
-//! Gaussians to footprints, four at a time in f64.
+//! Gaussians to splats2d, four at a time in f64.
 
 use fearless_simd::{f64x4, prelude::*};
 
 use super::Kernel;
-use super::projection::{Footprint, Projection, WHITE, shade};
+use super::projection::{HALF_LOG2_E, Projection, Splat2d, sh_colour};
 use crate::gaussians::BadValue;
 use crate::raster::{LARGEST, TILE};
 use crate::splats::Splats;
@@ -20,21 +20,21 @@ pub(super) struct Project<'a> {
 }
 
 impl Kernel for Project<'_> {
-    type Output = Result<Vec<Footprint>, BadValue>;
+    type Output = Result<Vec<Splat2d>, BadValue>;
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
         let end = self.first + self.count;
-        let mut footprints = Vec::with_capacity(self.count);
+        let mut splats2d = Vec::with_capacity(self.count);
         let mut first = self.first;
         while first < end {
             let four = FourGaussians::new(simd, self.projection, self.splats, first, end - 1);
             for lane in 0..LANES.min(end - first) {
-                footprints.extend(four.footprint(self.projection, self.splats, first + lane, lane)?);
+                splats2d.extend(four.splat2d(self.projection, self.splats, first + lane, lane)?);
             }
             first += LANES;
         }
-        Ok(footprints)
+        Ok(splats2d)
     }
 }
 
@@ -44,7 +44,7 @@ struct FourGaussians {
     offset: [[f64; LANES]; 3],
     depth: [f64; LANES],
     mean: [[f64; LANES]; 2],
-    whitening: [[f64; LANES]; 3],
+    conic_factor: [[f64; LANES]; 3],
     determinant: [f64; LANES],
     radius: [f64; LANES],
     /// First column, end, first row, end; whole numbers in the range of the picture.
@@ -88,16 +88,16 @@ impl FourGaussians {
         let (middle, difference) = ((a + c) * 0.5, (a - c) * 0.5);
         let spread = (difference * difference + xy * xy).max(0.1).sqrt();
         let radius = ((middle + spread).sqrt() * projection.sigmas).ceil();
-        let stretch = (c / determinant * WHITE).sqrt();
+        let stretch = (c / determinant * HALF_LOG2_E).sqrt();
         let reach = radius + (TILE as f64 - 1.0);
         Self {
             offset: [offset[0].into(), offset[1].into(), offset[2].into()],
             depth: z.into(),
             mean: [mean_x.into(), mean_y.into()],
-            whitening: [
+            conic_factor: [
                 stretch.into(),
                 (-(xy / c) * stretch).into(),
-                (f64x4::splat(simd, WHITE) / c).sqrt().into(),
+                (f64x4::splat(simd, HALF_LOG2_E) / c).sqrt().into(),
             ],
             determinant: determinant.into(),
             radius: radius.into(),
@@ -110,15 +110,15 @@ impl FourGaussians {
         }
     }
 
-    /// The footprint of one of them; none if it isn't visible.
+    /// The splat2d of one of them; none if it isn't visible.
     #[inline(always)]
-    fn footprint(
+    fn splat2d(
         &self,
         projection: &Projection,
         splats: &Splats,
         index: usize,
         lane: usize,
-    ) -> Result<Option<Footprint>, BadValue> {
+    ) -> Result<Option<Splat2d>, BadValue> {
         let opacity = splats.opacities()[index];
         let depth = self.depth[lane];
         // Not <=: a depth that is not a number is an overflow, which is reported below.
@@ -130,8 +130,9 @@ impl FourGaussians {
         if !(mean[0].is_finite() && mean[1].is_finite() && depth <= f64::from(LARGEST)) {
             return Err(overflow("means", largest(splats.means()[index])));
         }
-        let whitening = [self.whitening[0][lane], self.whitening[1][lane], self.whitening[2][lane]];
-        if !(self.determinant[lane].is_finite() && whitening[1].is_finite()) {
+        let conic_factor =
+            [self.conic_factor[0][lane], self.conic_factor[1][lane], self.conic_factor[2][lane]];
+        if !(self.determinant[lane].is_finite() && conic_factor[1].is_finite()) {
             return Err(overflow("scales", largest(splats.scales()[index])));
         }
         let [first_column, end_column, first_row, end_row] = self.tiles;
@@ -140,13 +141,13 @@ impl FourGaussians {
             return Ok(None);
         }
         let offset = [self.offset[0][lane], self.offset[1][lane], self.offset[2][lane]];
-        let colour = shade(splats, index, offset);
+        let colour = sh_colour(splats, index, offset);
         if let Some(value) = colour.into_iter().find(|value| value.is_nan() || value.abs() > LARGEST) {
             return Err(overflow("sh", value));
         }
-        Ok(Some(Footprint {
+        Ok(Some(Splat2d {
             mean,
-            whitening,
+            conic_factor,
             log_opacity: opacity.log2(),
             colour: [colour[0].max(0.0), colour[1].max(0.0), colour[2].max(0.0)],
             depth: depth as f32,

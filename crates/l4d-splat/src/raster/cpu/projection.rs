@@ -8,12 +8,12 @@ use crate::view::View;
 
 /// A visible Gaussian on the picture plane.
 #[derive(Debug, Clone)]
-pub(super) struct Footprint {
+pub(super) struct Splat2d {
     /// Centre in pixels, whole numbers being the centres of pixels.
     pub(super) mean: [f64; 2],
     /// Upper triangle (xx, xy, yy) of the matrix that maps an offset from the centre to (u, v), such that the
     /// Gaussian falls off as 2^-(u^2 + v^2).
-    pub(super) whitening: [f64; 3],
+    pub(super) conic_factor: [f64; 3],
     /// Base 2.
     pub(super) log_opacity: f32,
     pub(super) colour: [f32; 3],
@@ -27,16 +27,16 @@ pub(super) struct Footprint {
     pub(super) tiles: [u16; 4],
 }
 
-/// Variance along an axis to its squared whitening factor: (1/2) log2 e.
-pub(super) const WHITE: f64 = 0.5 * LOG2_E;
+/// Variance along an axis to its squared conic factor: (1/2) log2 e.
+pub(super) const HALF_LOG2_E: f64 = 0.5 * LOG2_E;
 
 /// Width over height, squared, from which on a Gaussian lies along the rows.
 const ROW_ALIGNED: f64 = 1e4;
 
-/// A whitening, and the order of the picture's axes to which it applies.
+/// A conic factor, and the order of the picture's axes to which it applies.
 pub(super) struct Axes {
-    /// As [`Footprint::whitening`], of the first and the second axis.
-    pub(super) whitening: [f64; 3],
+    /// As [`Splat2d::conic_factor`], of the first and the second axis.
+    pub(super) conic_factor: [f64; 3],
     /// Whether y is the first axis and x the second.
     swapped: bool,
 }
@@ -48,27 +48,27 @@ impl Axes {
     }
 }
 
-impl Footprint {
+impl Splat2d {
     /// Whether the Gaussian is so much wider than high that v is all but u, and f32 has no digits for the difference,
     /// which is the place along the Gaussian.
     pub(super) fn is_row_aligned(&self) -> bool {
-        let [xx, xy, yy] = self.whitening;
+        let [xx, xy, yy] = self.conic_factor;
         yy * yy + xy * xy > ROW_ALIGNED * xx * xx
     }
 
-    /// The axes in which backward sums: those of [`Footprint::whitening`], but swapped if the Gaussian lies.
+    /// The axes in which backward sums: those of [`Splat2d::conic_factor`], but swapped if the Gaussian lies.
     pub(super) fn axes(&self) -> Axes {
         if !self.is_row_aligned() {
-            return Axes { whitening: self.whitening, swapped: false };
+            return Axes { conic_factor: self.conic_factor, swapped: false };
         }
-        let [xx, xy, yy] = self.whitening;
-        // Variances and covariance over WHITE.
+        let [xx, xy, yy] = self.conic_factor;
+        // Variances and covariance over HALF_LOG2_E.
         let width = (yy * yy + xy * xy) / (xx * yy * xx * yy);
         let covariance = -xy / (xx * yy * yy);
         let second = 1.0 / width.sqrt();
         // The determinant of the matrix stays.
         let first = xx * yy / second;
-        Axes { whitening: [first, -covariance / width * first, second], swapped: true }
+        Axes { conic_factor: [first, -covariance / width * first, second], swapped: true }
     }
 }
 
@@ -103,7 +103,7 @@ pub(super) struct Linearization {
     /// Own to world axes.
     pub(super) rotation: [[f64; 3]; 3],
     /// Own axes, scaled, to the picture: two rows, pixels.
-    pub(super) picture_from_own: [[f64; 3]; 2],
+    pub(super) jacobian_times_rotation: [[f64; 3]; 2],
 }
 
 impl Projection {
@@ -147,12 +147,12 @@ impl Projection {
         });
         let rotation = rotation(splats.rotations()[index].map(f64::from));
         let scales = splats.scales()[index].map(f64::from);
-        let picture_from_own = picture_from_world.map(|row| {
+        let jacobian_times_rotation = picture_from_world.map(|row| {
             std::array::from_fn(|k| {
                 (row[0] * rotation[0][k] + row[1] * rotation[1][k] + row[2] * rotation[2][k]) * scales[k]
             })
         });
-        Linearization { offset, point, slope, picture_from_world, rotation, picture_from_own }
+        Linearization { offset, point, slope, picture_from_world, rotation, jacobian_times_rotation }
     }
 
     /// Whether the affine approximation was held back along an axis.
@@ -163,8 +163,8 @@ impl Projection {
 
     /// Own axes, scaled, to (u, v).
     pub(super) fn whitened(&self, axes: &Axes, linear: &Linearization) -> [[f64; 3]; 2] {
-        let [first, second] = axes.order(linear.picture_from_own);
-        let [xx, xy, yy] = axes.whitening;
+        let [first, second] = axes.order(linear.jacobian_times_rotation);
+        let [xx, xy, yy] = axes.conic_factor;
         let variance = dot(second, second) + self.blur;
         let area = cross(first, second);
         let apart = cross(second, area);
@@ -221,7 +221,7 @@ pub(super) fn direction(offset: [f64; 3]) -> ([f32; 3], f64) {
 
 /// Colour in the direction from the camera, before it is clamped below at 0.
 #[inline]
-pub(super) fn shade(splats: &Splats, index: usize, offset: [f64; 3]) -> [f32; 3] {
+pub(super) fn sh_colour(splats: &Splats, index: usize, offset: [f64; 3]) -> [f32; 3] {
     let coefficients = splats.sh_of(index);
     let degree = splats.sh_degree();
     // Degree 0 doesn't ask for a direction.
@@ -242,12 +242,12 @@ mod tests {
 
     #[test]
     fn a_lying_gaussian_falls_off_the_same_in_its_own_axes() {
-        for (whitening, lies) in
+        for (conic_factor, lies) in
             [([0.8, -0.3, 0.5], false), ([0.5, 0.1, 1e-5], false), ([1e-4, 0.3, 0.9], true)]
         {
-            let footprint = Footprint {
+            let splat2d = Splat2d {
                 mean: [0.0; 2],
-                whitening,
+                conic_factor,
                 log_opacity: 0.0,
                 colour: [0.0; 3],
                 depth: 1.0,
@@ -255,14 +255,14 @@ mod tests {
                 radius: 1.0,
                 tiles: [0; 4],
             };
-            let axes = footprint.axes();
-            assert_eq!((footprint.is_row_aligned(), axes.swapped), (lies, lies));
+            let axes = splat2d.axes();
+            assert_eq!((splat2d.is_row_aligned(), axes.swapped), (lies, lies));
             for offset in [[3.0, -2.0], [1e3, 0.5], [0.0, 1.0]] {
                 let fall = |[xx, xy, yy]: [f64; 3], [first, second]: [f64; 2]| {
                     (xx * first + xy * second).powi(2) + (yy * second).powi(2)
                 };
-                let ratio = fall(axes.whitening, axes.order(offset)) / fall(whitening, offset);
-                assert!((ratio - 1.0).abs() < 1e-9, "{whitening:?} {offset:?}: {ratio}");
+                let ratio = fall(axes.conic_factor, axes.order(offset)) / fall(conic_factor, offset);
+                assert!((ratio - 1.0).abs() < 1e-9, "{conic_factor:?} {offset:?}: {ratio}");
             }
         }
     }

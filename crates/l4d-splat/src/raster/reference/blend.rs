@@ -15,7 +15,7 @@ struct BlendStep<'a> {
     gaussian: &'a ProjectedGaussian,
     /// With d the offset of the centre from the pixel and the shear xy/yy of its covariance: yy / det (dx - shear dy)
     /// and dy / yy. The inverse covariance times d is the first of them, and the second less shear times the first.
-    pull: [f64; 2],
+    scaled_offset: [f64; 2],
     shear: f64,
     /// The Gaussian's value here, 1 at its centre.
     falloff: f64,
@@ -45,8 +45,8 @@ impl ReferenceScene {
             // d^T S^-1 d with the square completed, S = (xx xy; xy yy).
             let [_, xy, yy] = gaussian.covariance;
             let shear = xy / yy;
-            let pull_x = yy / gaussian.determinant * (dx - shear * dy);
-            let power = -0.5 * ((dx - shear * dy) * pull_x + dy * dy / yy);
+            let scaled_x = yy / gaussian.determinant * (dx - shear * dy);
+            let power = -0.5 * ((dx - shear * dy) * scaled_x + dy * dy / yy);
             if power > 0.0 {
                 continue;
             }
@@ -60,8 +60,8 @@ impl ReferenceScene {
             if after < transmittance_min {
                 break;
             }
-            let (pull, capped) = ([pull_x, dy / yy], open > alpha_max);
-            visit(BlendStep { rank, gaussian, pull, shear, falloff, alpha, capped, before, after });
+            let (scaled_offset, capped) = ([scaled_x, dy / yy], open > alpha_max);
+            visit(BlendStep { rank, gaussian, scaled_offset, shear, falloff, alpha, capped, before, after });
             before = after;
         }
         before
@@ -212,9 +212,9 @@ fn add_step(
     sums.opacity += by_alpha * step.falloff;
     // The exponent is -1/2 d^T S^-1 d: its derivative by d is -S^-1 d.
     let by_power = by_alpha * step.alpha;
-    let [x, y] = step.pull;
+    let [x, y] = step.scaled_offset;
     sums.mean -= by_power * DVec2::new(x, y - step.shear * x);
-    for (sum, square) in sums.pulls.iter_mut().zip([x * x, x * y, y * y]) {
+    for (sum, square) in sums.offset_squares.iter_mut().zip([x * x, x * y, y * y]) {
         *sum += by_power * square;
     }
 }

@@ -50,9 +50,9 @@ pub(super) struct ProjectedGaussian {
 pub(super) struct ProjectedGradient {
     pub(super) depth: f64,
     pub(super) mean: DVec2,
-    /// By the logarithm of alpha, weighted with the squares (first, mixed, second) of the pull of
+    /// By the logarithm of alpha, weighted with the squares (first, mixed, second) of the scaled offset of
     /// [`super::blend`], summed over pixels.
-    pub(super) pulls: [f64; 3],
+    pub(super) offset_squares: [f64; 3],
     pub(super) opacity: f64,
     pub(super) colour: DVec3,
 }
@@ -72,7 +72,7 @@ struct CameraSpace {
     /// Own axes, scaled, to camera axes.
     camera_from_own: DMat3,
     /// Rows of the map from own, scaled axes to the picture.
-    picture_from_own: [DVec3; 2],
+    jacobian_times_rotation: [DVec3; 2],
 }
 
 impl Projection {
@@ -109,7 +109,7 @@ impl Projection {
         let rotation = DMat3::from_quat(DQuat::from_xyzw(x, y, z, w));
         let scaled = rotation * DMat3::from_diagonal(splats.scales()[index].into());
         let camera_from_own = self.camera_from_world * scaled;
-        let picture_from_own = jacobian.map(|row| camera_from_own.transpose() * row);
+        let jacobian_times_rotation = jacobian.map(|row| camera_from_own.transpose() * row);
         let clamped = [slope.x != ratio.x, slope.y != ratio.y];
         Some(CameraSpace {
             offset,
@@ -119,7 +119,7 @@ impl Projection {
             jacobian,
             rotation,
             camera_from_own,
-            picture_from_own,
+            jacobian_times_rotation,
         })
     }
 
@@ -136,7 +136,7 @@ impl Projection {
         let Some(camera) = self.to_camera(splats, index) else { return Ok(None) };
         let z = camera.point.z;
         let mean = self.focal * camera.point.truncate() / z + self.principal - 0.5;
-        let [first, second] = camera.picture_from_own;
+        let [first, second] = camera.jacobian_times_rotation;
         let [xx, xy, yy] = [first.dot(first), first.dot(second), second.dot(second)];
         let covariance = [xx + self.blur, xy, yy + self.blur];
         // Lagrange's identity: xx yy - xy^2 is the square of the cross product.
@@ -154,13 +154,13 @@ impl Projection {
         if tiles.iter().any(Range::is_empty) {
             return Ok(None);
         }
-        let shade = shade(splats, index, camera.offset);
+        let raw = sh_colour(splats, index, camera.offset);
         if let Some(value) =
-            shade.to_array().into_iter().find(|value| value.is_nan() || value.abs() > LARGEST.into())
+            raw.to_array().into_iter().find(|value| value.is_nan() || value.abs() > LARGEST.into())
         {
             return Err(overflow("sh", value));
         }
-        let dark = shade.cmplt(DVec3::ZERO);
+        let dark = raw.cmplt(DVec3::ZERO);
         Ok(Some(ProjectedGaussian {
             index,
             depth: z,
@@ -168,7 +168,7 @@ impl Projection {
             covariance,
             determinant,
             opacity,
-            colour: shade.max(DVec3::ZERO),
+            colour: raw.max(DVec3::ZERO),
             tiles,
             clamped: [dark.test(0), dark.test(1), dark.test(2), camera.clamped[0], camera.clamped[1]],
         }))
@@ -206,11 +206,11 @@ impl Projection {
         let index = gaussian.index;
         let Some(camera) = self.to_camera(splats, index) else { return };
         // Covariance S = P P^T + blur, P = J V, V = W R diag(s). The exponent -1/2 d^T S^-1 d changes with P by
-        // q q^T P, where q = S^-1 d = (p0, p1 - shear p0) is made of the two pulls p.
-        let [first, second] = camera.picture_from_own;
+        // q q^T P, where q = S^-1 d = (p0, p1 - shear p0) is made of the two scaled offsets p.
+        let [first, second] = camera.jacobian_times_rotation;
         let [_, xy, yy] = gaussian.covariance;
         let sheared = self.sheared(first, second, yy);
-        let [square, mixed, other] = gradient.pulls;
+        let [square, mixed, other] = gradient.offset_squares;
         let by_first = square * sheared + mixed * second;
         let by_second = mixed * sheared + other * second - xy / yy * by_first;
         let by_jacobian = [by_first, by_second].map(|row| camera.camera_from_own * row);
@@ -290,7 +290,7 @@ fn largest(row: [f64; 3]) -> f64 {
 }
 
 /// Colour of a Gaussian in the direction from the camera, before it is clamped below at 0.
-fn shade(splats: &Splats<f64>, index: usize, offset: DVec3) -> DVec3 {
+fn sh_colour(splats: &Splats<f64>, index: usize, offset: DVec3) -> DVec3 {
     let values = sh::basis(splats.sh_degree(), offset.normalize().to_array());
     std::iter::zip(splats.sh_of(index), values)
         .fold(DVec3::splat(0.5), |sum, (&coefficient, value)| sum + DVec3::from(coefficient) * value)

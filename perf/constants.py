@@ -1,11 +1,11 @@
 """Which constants of training, solver and grounder matter on a set of scenes, and in which direction.
 
-    python benchmark/perf/constants.py open work/constants/tree
+    python perf/constants.py open work/constants/tree
     cargo build --release --manifest-path work/constants/tree/Cargo.toml
-    python benchmark/perf/constants.py run train --scenes outdoor_0501,room_0505,tabletop_0509
-    python benchmark/perf/constants.py run solve
-    python benchmark/perf/constants.py run panoptic
-    python benchmark/perf/constants.py table
+    python perf/constants.py run train --scenes outdoor_0501,room_0505,tabletop_0509
+    python perf/constants.py run solve
+    python perf/constants.py run panoptic
+    python perf/constants.py table
 
 Constants are compiled in. `open` copies the sources and makes those that `constants.toml` lists ask a
 variable of the environment (`L4D_CONSTANT`, one name and value), so that one build serves all values; what is
@@ -41,7 +41,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
+ROOT = HERE.parent
 STAGES = ("train", "sweep", "solve", "panoptic", "fused")
 UNITS = {"train": "dB", "sweep": "dB", "solve": "mIoU", "panoptic": "mIoU", "fused": "mIoU"}
 SHIPPED = "shipped"

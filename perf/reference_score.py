@@ -4,7 +4,7 @@
     python reference_score.py --bench benchmark --profile tiny results/oracle --summary
 
 It is slow and simple on purpose: whole bool arrays, one frame after the other. Tests compare it with the judge to the
-last pixel, and benchmark/perf/score.py takes its time as the yardstick (with Pillow to read PNG).
+last pixel, and perf/score.py takes its time as the yardstick (with Pillow to read PNG).
 """
 
 import argparse

@@ -1,7 +1,7 @@
 """How fast latents become masks: ratio of our relevancy to the same steps in PyTorch on the CPU, with error beside it.
 
-    python benchmark/perf/relevancy.py
-    python benchmark/perf/relevancy.py --size 640x480 --prompts 20
+    python perf/relevancy.py
+    python perf/relevancy.py --size 640x480 --prompts 20
 
 Three frames of three levels at 1352x1014 and ten sentences, as LangSplatV2 and 4D LangSplat cut them (pool of 29), by
 the widths of LangSplat's decoder. PyTorch decodes in slices, since the embeddings of a whole level would take 2.8 GB;
@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[1]
 WIDTHS = {"langsplat": [3, 16, 32, 64, 128, 256, 256, 512], "4d-langsplat": [3, 16, 32, 64, 128, 256, 512]}
 SLICES = [1 << 12, 1 << 14, 1 << 16, 1 << 18]
 

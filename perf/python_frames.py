@@ -1,7 +1,7 @@
 """Speed of a frame through the Python package against the Rust reader alone, as a ratio in one run.
 
     cargo build --release -p l4d-py && cargo build --release -p l4d-py --example read_frames
-    python benchmark/perf/python_frames.py data/small/tabletop_tea
+    python perf/python_frames.py data/small/tabletop_tea
 
 Needs numpy. Both sides read the same frame from the same file again and again, in rounds that take turns; a round's number
 is its median, and the ratio is that of the medians over rounds. The Python side gives float32 light, depth and ids as
@@ -19,7 +19,7 @@ import tempfile
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[1]
 
 
 def load(library: Path, folder: Path):

@@ -2,7 +2,7 @@
 
 Vectorised over all Gaussians, and over the pixels and Gaussians of many tiles at once; differentiable. Its gradients
 in float64 are the fixtures of crates/l4d-splat/tests/raster (see fixture.py there), its time in float32 is the
-yardstick of benchmark/perf/splats_forward.py.
+yardstick of perf/splats_forward.py.
 """
 
 from __future__ import annotations

@@ -3,10 +3,10 @@
 Makes a folder of scores of many made-up methods (the oracle's counts on the shipped queries, each query spoilt by its own
 share) and runs the verb on it.
 
-    python3 benchmark/perf/board.py --l4d target/release/l4d --methods 50
-    python3 benchmark/perf/board.py --l4d target/release/l4d --methods 50 -- --html
-    python3 benchmark/perf/board.py --l4d target/release/l4d --methods 10000 --scenes tabletop_tea -- --html
-    python3 benchmark/perf/board.py --l4d target/release/l4d --methods 2 --copies 70 --repeat 1 -- --html
+    python3 perf/board.py --l4d target/release/l4d --methods 50
+    python3 perf/board.py --l4d target/release/l4d --methods 50 -- --html
+    python3 perf/board.py --l4d target/release/l4d --methods 10000 --scenes tabletop_tea -- --html
+    python3 perf/board.py --l4d target/release/l4d --methods 2 --copies 70 --repeat 1 -- --html
 
 prints one JSON object with the best wall time, the best processor time (which can be compared on a machine that others use
 as well), the peak memory and the size of the page; what follows `--` goes to the verb. Methods beyond the first hundred have
@@ -32,7 +32,7 @@ import tempfile
 import time
 from pathlib import Path
 
-BENCHMARK = Path(__file__).resolve().parents[1]
+BENCHMARK = Path(__file__).resolve().parents[1] / "benchmark"
 # Each takes a while to make up.
 MADE_UP = 100
 

@@ -3,7 +3,7 @@ alone, and over the built scenes.
 
     cargo build --release -p l4d-py
     l4d release --bench BENCH --profile tiny --date 2026-11-22 --url https://example.org/x --out release
-    python benchmark/perf/python_shards.py release/NAME-VERSION/shards/tiny --data data/tiny
+    python perf/python_shards.py release/NAME-VERSION/shards/tiny --data data/tiny
 
 Needs PyTorch and numpy. All sides give the same tensors of the same samples in the same order, in this process, batch by batch
 with the collation of PyTorch; files are in the page cache. Sides take turns in each round; a number is the median over rounds.

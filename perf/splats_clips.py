@@ -1,8 +1,8 @@
 """How long clips of a trained scene take: eight views at all frames of the profile, files and all.
 
     cargo build --release
-    python benchmark/perf/splats_clips.py tabletop_tea
-    python benchmark/perf/splats_clips.py tabletop_tea --model other/checkpoint --rounds 5
+    python perf/splats_clips.py tabletop_tea
+    python perf/splats_clips.py tabletop_tea --model other/checkpoint --rounds 5
 
 Runs `l4d render-splats` into a fresh folder once a round, from start to end: reading the model, deforming it once for
 each time, drawing, and writing colour as PNG and depth as EXR. Prints one JSON object. On a busy machine only the
@@ -19,7 +19,7 @@ import tempfile
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[1]
 VIEWS = 8
 
 

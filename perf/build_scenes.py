@@ -4,7 +4,7 @@ Both render the same images of the same scene. "bare" is one process that builds
 Blender's render operator in a beauty loop and then in an exact loop, and leaves Blender's own files where
 they are; "worker" is `python -m l4d_blender render`, which also packs, syncs and reports every frame.
 
-    python benchmark/perf/build_scenes.py --scene tabletop_mouse_cups --frames 4
+    python perf/build_scenes.py --scene tabletop_mouse_cups --frames 4
 
 prints one JSON object; the ratio has to stay below 1.15 and the peak below 2048 MiB. On a busy machine look
 at the ratio of CPU seconds instead. `--threads 1` beside `--threads 2` shows why no worker gets a single thread.
@@ -22,7 +22,7 @@ import tempfile
 import time
 from pathlib import Path
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "blender_scripts"
+SCRIPTS = Path(__file__).resolve().parents[1] / "blender_scripts"
 
 
 def main() -> None:

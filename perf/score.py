@@ -1,9 +1,9 @@
 """Speed of scoring against a numpy + Pillow loop, against pycocotools and against decoding alone, in one run.
 
     cargo build --release -p l4d-score --examples
-    python benchmark/perf/score.py                       # small: 256x192, 49 frames, 14161 masks
-    python benchmark/perf/score.py --profile full        # 640x480, 97 frames, 28033 masks
-    python benchmark/perf/score.py --profile full --scenes 3 --queries 42      # a seventh of it
+    python perf/score.py                       # small: 256x192, 49 frames, 14161 masks
+    python perf/score.py --profile full        # 640x480, 97 frames, 28033 masks
+    python perf/score.py --profile full --scenes 3 --queries 42      # a seventh of it
 
 Needs numpy, Pillow and pycocotools. Makes a benchmark (of 21 scenes and 289 queries) with the results of one method as PNG
 (8-bit, as Pillow writes them) and as RLE, checks that all count the same pixels, and prints JSON. `score_masks` is what

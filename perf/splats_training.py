@@ -1,8 +1,8 @@
 """How much faster a scene is learned when only what moves goes through the deformation field.
 
     cargo build --release
-    python benchmark/perf/splats_training.py tabletop_blocks room_office
-    python benchmark/perf/splats_training.py room_office --data data/small -- --coarse 200 --unfold 2 --fine 300
+    python perf/splats_training.py tabletop_blocks room_office
+    python perf/splats_training.py room_office --data data/small -- --coarse 200 --unfold 2 --fine 300
 
 Trains each scene twice with `l4d train-splats`: as it is by default, and with everything dynamic
 (`--dynamic-threshold 0`). Both run at the same time, each on half of the cores, so that other work slows both down; the
@@ -24,7 +24,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[1]
 RUNS = {"default": [], "everything dynamic": ["--dynamic-threshold", "0"]}
 
 

@@ -2,7 +2,7 @@
 
     cargo build --release                                # with the profile of Cargo.toml
     cargo build --release --target-dir work/optimised    # after deleting [profile.release.package]
-    python3 benchmark/perf/build_profile.py --before work/optimised/release/l4d --after target/release/l4d \\
+    python3 perf/build_profile.py --before work/optimised/release/l4d --after target/release/l4d \\
         --data data/tiny --scene tabletop_tea
 
 Prints one JSON object a verb: the least processor seconds of each binary, and their ratio. The binaries take turns, so
@@ -18,7 +18,7 @@ from pathlib import Path
 
 import board
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[1]
 METHODS = 50
 
 

@@ -1,7 +1,7 @@
 """How fast splats are drawn: ratios of the CPU rasterizer to other programs on the same scene, and of two threads to one.
 
-    python benchmark/perf/splats_forward.py
-    python benchmark/perf/splats_forward.py --prototype raster_prototype.rs
+    python perf/splats_forward.py
+    python perf/splats_forward.py --prototype raster_prototype.rs
 
 Draws colour, alpha and summed depth of 10 000 Gaussians at 256x192 with the CPU rasterizer, with the tiled PyTorch
 version of reference_splats.py and, if it is given, with a prototype in Rust, and prints one JSON object. All programs
@@ -30,7 +30,7 @@ import numpy as np
 import torch
 from reference_splats import Splats, View, draw
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[1]
 C0 = math.sqrt(1 / (4 * math.pi))
 
 

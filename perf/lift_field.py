@@ -1,6 +1,6 @@
 """How fast the identity field learns: seconds of an iteration in l4d and in PyTorch, as ratios in one run.
 
-    python benchmark/perf/lift_field.py data/small/room_office work/small/room_office/splats
+    python perf/lift_field.py data/small/room_office work/small/room_office/splats
 
 The PyTorch versions minimise the objective of the paper as it is written (section 4; SA4D): phi over all Gaussians
 twice an iteration, 32 features blended into every pixel, a 1x1 convolution and cross-entropy, distances from 1000
@@ -30,7 +30,7 @@ import torch
 import torch.nn.functional as F
 from reference_splats import Splats, View, project, spread, tile_lists
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[1]
 
 
 class Blend(torch.autograd.Function):
