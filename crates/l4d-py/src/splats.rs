@@ -13,6 +13,7 @@ use l4d_splat::source::{ReaderOptions, Source};
 use l4d_splat::view::View;
 use numpy::PyArrayMethods as _;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde::Deserialize;
 
 use crate::arrays::{Array, Kept, array, shape_of};
@@ -107,6 +108,39 @@ impl Splats {
         let size = size.unwrap_or(camera.size);
         let values = py.detach(|| self.draw(camera, &[instant], size, background, depth))?;
         Picture::new(py, values, size)
+    }
+
+    /// The Gaussians as they are drawn, at a canonical frame or at a time from 0 to 1 (one of the two).
+    ///
+    /// float32 arrays by name: `means` (N, 3), centres in metres; `scales` (N, 3), standard deviations in metres;
+    /// `rotations` (N, 4), unit quaternions (w, x, y, z) from own to world axes; `opacities` (N,), 0 to 1; `sh` (N, K, 3),
+    /// spherical harmonics, the constant one first.
+    #[pyo3(signature = (*, frame = None, time = None))]
+    fn gaussians<'py>(
+        &self,
+        py: Python<'py>,
+        frame: Option<u32>,
+        time: Option<f32>,
+    ) -> Result<Bound<'py, PyDict>> {
+        let time = match (frame, time) {
+            (Some(frame), None) => self.instant(frame)?.1,
+            (None, Some(time)) => time,
+            _ => {
+                let message = "frame and time: exactly one is needed";
+                let hint = "give a canonical frame, or a time from 0 to 1";
+                return Err(Failure::argument("frame", message, hint));
+            }
+        };
+        let state = py.detach(|| self.source.model.at(time)).map_err(|error| Failure::of_chain(&error))?;
+        let count = state.len();
+        let harmonics = state.sh_degree().coefficients();
+        let named = PyDict::new(py);
+        named.set_item("means", array(py, state.means().as_flattened().to_vec(), [count, 3])?)?;
+        named.set_item("scales", array(py, state.scales().as_flattened().to_vec(), [count, 3])?)?;
+        named.set_item("rotations", array(py, state.rotations().as_flattened().to_vec(), [count, 4])?)?;
+        named.set_item("opacities", array(py, state.opacities().to_vec(), [count])?)?;
+        named.set_item("sh", array(py, state.sh().as_flattened().to_vec(), [count, harmonics, 3])?)?;
+        Ok(named)
     }
 
     /// What a camera sees at canonical frames; arguments as in `render`. The model is deformed once a frame.

@@ -30,6 +30,23 @@ def test_a_picture_has_the_bits_that_rust_draws(splats: l4d.Splats, scene: l4d.S
     assert digest(at_time.rgb) == expected["splats"]["rgb"]
 
 
+def test_gaussians_are_what_is_drawn(splats: l4d.Splats, scene: l4d.Scene) -> None:
+    state = splats.gaussians(frame=48)
+    count = splats.gaussian_count
+    shapes = {"means": (count, 3), "scales": (count, 3), "rotations": (count, 4), "opacities": (count,)}
+    assert {name: state[name].shape for name in shapes} == shapes
+    assert state["sh"].shape[::2] == (count, 3) and state["sh"].shape[1] in (1, 4, 9, 16)
+    assert all(values.dtype == np.float32 and np.isfinite(values).all() for values in state.values())
+    assert np.allclose(np.linalg.norm(state["rotations"], axis=1), 1, atol=1e-3)
+    assert state["scales"].min() >= 0 and 0 <= state["opacities"].min() and state["opacities"].max() <= 1
+    at_time = splats.gaussians(time=scene.timeline.unit_time(48))
+    assert all(np.array_equal(at_time[name], state[name]) for name in state)
+    if splats.dynamic_count:
+        assert not np.array_equal(splats.gaussians(frame=0)["means"], state["means"])
+    with pytest.raises(l4d.L4dError, match="exactly one"):
+        splats.gaussians()
+
+
 def test_a_clip_is_its_pictures(splats: l4d.Splats, scene: l4d.Scene) -> None:
     camera = scene.camera("cam02")
     clip = splats.clip(camera, [48, 0], background=(0.25, 0.5, 1.0))

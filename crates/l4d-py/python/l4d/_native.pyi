@@ -590,6 +590,18 @@ class Splats:
         0 to 1: what the model was trained to show, else black. `depth` is `"median"` (where transmittance crosses a half),
         `"expected"` (sum z a T / sum a T) or `"sum"` (sum z a T, as 4DGaussians has it).
         """
+    def gaussians(
+        self,
+        *,
+        frame: Optional[int] = None,
+        time: Optional[float] = None,
+    ) -> dict[str, npt.NDArray[np.float32]]:
+        """The Gaussians as they are drawn, at a canonical frame or at a time from 0 to 1 (one of the two).
+
+        float32 arrays by name: `means` (N, 3), centres in metres; `scales` (N, 3), standard deviations in metres;
+        `rotations` (N, 4), unit quaternions (w, x, y, z) from own to world axes; `opacities` (N,), 0 to 1; `sh` (N, K, 3),
+        spherical harmonics, the constant one first.
+        """
     def clip(
         self,
         camera: Camera,
