@@ -117,9 +117,9 @@ def bare_loop(job: dict) -> None:
     sys.path.insert(0, str(SCRIPTS))
     import bpy
 
-    from l4d_blender import passes, recipes
+    from l4d_blender.worker import passes, recipes
 
-    recipes.build(job["scene"], job["variant"], job["seed"], Path(job["recipes"]))
+    recipes.build(job["scene"], job["seed"], Path(job["recipes"]))
     renderer = passes.Renderer(job["width"], job["height"], job["samples"], threads=job["threads"])
     with tempfile.TemporaryDirectory(prefix="l4d-bare-") as folder:
         for scene in renderer.scenes:

@@ -4,23 +4,21 @@ use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::LazyLock;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use l4d_endpoint::coordinates::written_boxes;
 use l4d_endpoint::{
-    BoxPx, CacheUse, Client, Convention, Endpoint, EndpointError, Finish, Image, Link, Message, Origin, Part,
-    Request, Schema,
+    CacheUse, Client, Endpoint, EndpointError, Finish, Image, Link, Message, Origin, Part, Request, Schema,
 };
-use l4d_frames::targets::Targets;
+use l4d_frames::drawn::{Rgb, RgbImage, encode_colour};
 use serde_json::{Value, json};
 
-use crate::proposing::scripted::{Server, Turn, ok, says, status, thinks};
+use crate::proposing::scripted::{Server, says, status, thinks};
 use crate::support::{Dir, Run, named, root};
 
 const KEY: &str = "sk-canary/7Yq+0123456789";
 
-/// A command line about a server: `check` or `calibrate` and more.
+/// A command line about a server: `check` and more.
 fn endpoint(server: &str, line: &str) -> String {
     format!("endpoint {line} --base-url {server} --vlm tiny")
 }
@@ -85,8 +83,6 @@ fn a_recorded_check_replays_without_its_server() {
     };
     let replayed = dir.succeed("endpoint check --link replay:tape");
     assert_eq!((replayed.stdout, replayed.stderr), (recorded.stdout, recorded.stderr));
-    let lost = "endpoint calibrate --link replay:tape";
-    dir.run(lost).says(2, &["tape: holds no answer", "record:"]);
 }
 
 /// The same for the eye.
@@ -126,61 +122,6 @@ fn a_key_goes_to_its_server_alone_even_when_everything_is_logged() {
         let log = run.stderr.to_lowercase();
         assert!(!log.contains("authorization") && !log.contains("ureq"), "{run}");
     }
-}
-
-/// A model that writes the squares of the pictures that `calibrate` draws, in the order in which it asks.
-fn sighted(convention: &'static Convention, size: (u32, u32), pictures: u32) -> Turn {
-    let asked = AtomicU32::new(0);
-    thinks(move |_| {
-        let number = asked.fetch_add(1, Ordering::SeqCst) % pictures;
-        let targets = Targets::arrange(size.0, size.1, number);
-        let boxes = targets.squares().iter().map(|square| {
-            let [x, y, side] = [square.x, square.y, square.side_px].map(f64::from);
-            let place = BoxPx { x0: x, y0: y, x1: x + side, y1: y + side };
-            json!({ convention.key.clone(): convention.numbers(place, size), "label": square.colour })
-        });
-        says(&Value::from_iter(boxes).to_string())
-    })
-}
-
-#[test]
-fn calibrate_finds_and_remembers_the_convention() {
-    let dir = Dir::new();
-    for convention in Convention::all() {
-        let server = Server::start(vec![sighted(convention, (714, 490), 2)]);
-        let document = dir.json(endpoint(&server.url(), "calibrate"));
-        assert_eq!(document["winner"]["convention"], convention.name.as_str(), "{document}");
-        assert_eq!(document["squares"], 8);
-        assert!(document["winner"]["mean_iou"].as_f64().unwrap() > 0.99, "{document}");
-    }
-    let remembered = dir.value("work/endpoints.json");
-    let remembered = remembered.as_object().unwrap();
-    assert_eq!(remembered.len(), Convention::all().len());
-    assert!(remembered.values().all(|one| one["size"] == json!([714, 490])));
-
-    // In a picture whose sides are multiples of 28, resizing by 28 changes nothing: two conventions fit.
-    let server = Server::start(vec![sighted(Convention::named("abs_px_xyxy").unwrap(), (700, 504), 1)]);
-    let run = dir.run(endpoint(&server.url(), "calibrate --size 700x504 --pictures 1"));
-    run.says(1, &["fit about as well", "coordinates"]);
-}
-
-#[test]
-fn calibrate_says_when_nothing_fits_and_forgets_what_did() {
-    let dir = Dir::new();
-    let mut turns = vec![sighted(&Convention::all()[0], (714, 490), 1); 3];
-    turns.push(says(r#"[{"bbox_2d": [1, 2, 3, 4], "label": "red"}]"#));
-    let server = Server::start(turns);
-    let url = server.url();
-    let calibrate = endpoint(&url, "calibrate --pictures 1");
-    dir.succeed(&calibrate);
-    assert!(dir.read("work/endpoints.json").contains("rel1000_xyxy"));
-    dir.run(&calibrate).says(1, &["no convention fits", "hint:"]);
-    assert_eq!(dir.read("work/endpoints.json").trim(), "{}");
-    dir.run(endpoint(&url, "calibrate --size 714")).says(2, &[]);
-
-    // An error of the server is an error, not a model that sees nothing.
-    let server = Server::start(vec![ok(&json!({"error": "out of memory"}))]);
-    dir.run(endpoint(&server.url(), "calibrate")).says(2, &["out of memory"]);
 }
 
 /// A server process; ends with the test.
@@ -240,7 +181,10 @@ fn tiny_model() -> String {
 }
 
 fn with_pictures(schema: Option<Value>) -> Request {
-    let picture = |number| Part::Image(Image::new(Targets::arrange(320, 240, number).png()).unwrap());
+    let picture = |number: u8| {
+        let plain = RgbImage::from_pixel(320, 240, Rgb([200, 60 * number, 30]));
+        Part::Image(Image::new(encode_colour(&plain)).unwrap())
+    };
     let mut parts = Vec::new();
     for number in 0..3 {
         parts.push(Part::text(format!("<{number}.0 seconds>")));
@@ -283,9 +227,6 @@ fn a_real_server_with_a_grammar() {
     let states =
         [("models", "ok"), ("usage", "ok"), ("schema", "ok"), ("seed", "ok"), ("picture", "unclear")];
     expect_states(&document, &states);
-    // Random weights see nothing.
-    let calibrated = dir.run(endpoint(&server.base_url, "calibrate --pictures 1 --answer-tokens 64"));
-    calibrated.says(1, &["no convention fits"]);
 
     let endpoint = Endpoint::new(&server.base_url, "tiny").unwrap();
     let open = || {

@@ -1,5 +1,5 @@
 """`python -m l4d_blender`: the worker that the l4d binary starts."""
 
-from .cli import main
+from .worker.cli import main
 
 main()

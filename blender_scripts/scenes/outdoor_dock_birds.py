@@ -13,12 +13,12 @@ from math import degrees
 
 from mathutils import Vector
 
-from l4d_blender import keys
 from l4d_blender.assets import bird_feeder, lake, waterbird
 from l4d_blender.motion.waterbirds import DRAFT_M, WaterBird
-from l4d_blender.scattering import NEARLY, scatter, skyline
-from l4d_blender.scene import Instance, Scene
-from l4d_blender.timeline import LAST_FRAME
+from l4d_blender.scene import keys
+from l4d_blender.scene.scattering import NEARLY, scatter, skyline
+from l4d_blender.scene.scene import Instance, Scene
+from l4d_blender.scene.timeline import LAST_FRAME
 
 SCALE = "outdoor"
 

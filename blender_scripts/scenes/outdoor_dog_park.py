@@ -20,9 +20,9 @@ from l4d_blender.motion.ball_games import Ball
 from l4d_blender.motion.dogs import Dog
 from l4d_blender.motion.people import Person
 from l4d_blender.motion.throwing import Thrower, toss
-from l4d_blender.scattering import NEARLY, scatter, skyline
-from l4d_blender.scene import Scene
-from l4d_blender.timeline import LAST_FRAME
+from l4d_blender.scene.scattering import NEARLY, scatter, skyline
+from l4d_blender.scene.scene import Scene
+from l4d_blender.scene.timeline import LAST_FRAME
 
 SCALE = "outdoor"
 

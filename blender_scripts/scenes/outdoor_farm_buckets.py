@@ -14,16 +14,16 @@ from math import degrees
 
 from mathutils import Vector
 
-from l4d_blender import keys
 from l4d_blender.assets import bucket, ground
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.birds import heading_on
 from l4d_blender.motion.hens import Hen
 from l4d_blender.motion.people import Person
-from l4d_blender.placing import pose
-from l4d_blender.scattering import NEARLY, scatter, skyline
-from l4d_blender.scene import Instance, Scene
-from l4d_blender.timeline import LAST_FRAME
+from l4d_blender.scene import keys
+from l4d_blender.scene.placing import pose
+from l4d_blender.scene.scattering import NEARLY, scatter, skyline
+from l4d_blender.scene.scene import Instance, Scene
+from l4d_blender.scene.timeline import LAST_FRAME
 
 SCALE = "outdoor"
 

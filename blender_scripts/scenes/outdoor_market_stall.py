@@ -14,11 +14,11 @@ from mathutils import Matrix
 
 from l4d_blender.assets import basket
 from l4d_blender.assets.person import Cloth, Look
-from l4d_blender.colour import Colour
 from l4d_blender.motion.traders import Trader, swing_while_carried
-from l4d_blender.scattering import scatter
-from l4d_blender.scene import Instance, Scene
-from l4d_blender.timeline import LAST_FRAME
+from l4d_blender.scene.colour import Colour
+from l4d_blender.scene.scattering import scatter
+from l4d_blender.scene.scene import Instance, Scene
+from l4d_blender.scene.timeline import LAST_FRAME
 
 SCALE = "outdoor"
 

@@ -17,10 +17,10 @@ from l4d_blender.assets import cat, ground, park_lamp
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.cat_friends import CatFriend, FriendlyCat
 from l4d_blender.motion.travellers import Traveller
-from l4d_blender.placing import Spot
-from l4d_blender.scattering import scatter, skyline
-from l4d_blender.scene import Scene
-from l4d_blender.timeline import LAST_FRAME
+from l4d_blender.scene.placing import Spot
+from l4d_blender.scene.scattering import scatter, skyline
+from l4d_blender.scene.scene import Scene
+from l4d_blender.scene.timeline import LAST_FRAME
 
 SCALE = "outdoor"
 

@@ -16,16 +16,16 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Quaternion, Vector
 
-from l4d_blender import keys
 from l4d_blender.assets import ground, mesh, sandbox, slide, swing
 from l4d_blender.assets.materials import playground
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.ball_games import RollingBall, downhill, slowing
 from l4d_blender.motion.playing import Player, kick_spot, swing_angles
-from l4d_blender.placing import pose
-from l4d_blender.scattering import NEARLY, scatter, skyline
-from l4d_blender.scene import Instance, Scene
-from l4d_blender.timeline import LAST_FRAME
+from l4d_blender.scene import keys
+from l4d_blender.scene.placing import pose
+from l4d_blender.scene.scattering import NEARLY, scatter, skyline
+from l4d_blender.scene.scene import Instance, Scene
+from l4d_blender.scene.timeline import LAST_FRAME
 
 SCALE = "outdoor"
 

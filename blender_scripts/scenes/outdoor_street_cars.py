@@ -19,9 +19,9 @@ from l4d_blender.assets.materials import street
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.driving import Driver
 from l4d_blender.motion.travellers import Traveller
-from l4d_blender.scattering import scatter
-from l4d_blender.scene import Instance, Scene
-from l4d_blender.timeline import LAST_FRAME
+from l4d_blender.scene.scattering import scatter
+from l4d_blender.scene.scene import Instance, Scene
+from l4d_blender.scene.timeline import LAST_FRAME
 
 SCALE = "outdoor"
 

@@ -17,7 +17,7 @@ from l4d_blender.assets import dumbbell, gym_equipment
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.handling import key_path, still
 from l4d_blender.motion.lifters import Lifter
-from l4d_blender.scene import Instance, Scene
+from l4d_blender.scene.scene import Instance, Scene
 
 SCALE = "room"
 

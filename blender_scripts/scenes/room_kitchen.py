@@ -22,8 +22,8 @@ from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.cooks import Cook, JugPath, SpoonPath, stream_matrices
 from l4d_blender.motion.handling import Grip, key_path, shift, still
 from l4d_blender.motion.plan_person import ROWS
-from l4d_blender.scene import Instance, Scene
-from l4d_blender.timeline import FRAME_COUNT, LAST_FRAME
+from l4d_blender.scene.scene import Instance, Scene
+from l4d_blender.scene.timeline import FRAME_COUNT, LAST_FRAME
 
 SCALE = "room"
 

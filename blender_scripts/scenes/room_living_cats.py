@@ -22,9 +22,9 @@ from l4d_blender.assets import cat, coffee_table, floor_lamp, rug, sofa
 from l4d_blender.assets.materials import interior
 from l4d_blender.motion.ball_games import Ball
 from l4d_blender.motion.cats import Cat, Ground, Tap, level
-from l4d_blender.placing import Loose, Spot
-from l4d_blender.scene import Scene
-from l4d_blender.timeline import LAST_FRAME
+from l4d_blender.scene.placing import Loose, Spot
+from l4d_blender.scene.scene import Scene
+from l4d_blender.scene.timeline import LAST_FRAME
 
 SCALE = "room"
 

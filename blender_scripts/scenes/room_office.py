@@ -20,9 +20,9 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import desk, high_table, laptop, office_chair, whiteboard
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.deskwork import Computer, OfficeWorker
-from l4d_blender.placing import pose
-from l4d_blender.scene import Instance, Scene
-from l4d_blender.timeline import LAST_FRAME
+from l4d_blender.scene.placing import pose
+from l4d_blender.scene.scene import Instance, Scene
+from l4d_blender.scene.timeline import LAST_FRAME
 
 SCALE = "room"
 

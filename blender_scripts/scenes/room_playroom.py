@@ -12,13 +12,13 @@ from math import cos, degrees, exp, pi, radians
 
 from mathutils import Vector
 
-from l4d_blender import keys
 from l4d_blender.assets import coffee_table, mesh, play_mat, rocking_chair, teddy, toy_block, wooden_chair
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.nursery import Toddler
-from l4d_blender.placing import pose
-from l4d_blender.scene import Instance, Scene
-from l4d_blender.timeline import FPS, LAST_FRAME
+from l4d_blender.scene import keys
+from l4d_blender.scene.placing import pose
+from l4d_blender.scene.scene import Instance, Scene
+from l4d_blender.scene.timeline import FPS, LAST_FRAME
 
 SCALE = "room"
 

@@ -19,9 +19,9 @@ from l4d_blender.assets import bags, chair_row, coffee_table, floor_lamp
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.reading import Reader, Spread
 from l4d_blender.motion.visitors import Visitor
-from l4d_blender.placing import pose
-from l4d_blender.scene import Instance, Scene
-from l4d_blender.timeline import LAST_FRAME
+from l4d_blender.scene.placing import pose
+from l4d_blender.scene.scene import Instance, Scene
+from l4d_blender.scene.timeline import LAST_FRAME
 
 SCALE = "room"
 

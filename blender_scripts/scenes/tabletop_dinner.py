@@ -21,8 +21,8 @@ from l4d_blender.assets.materials import products, tableware
 from l4d_blender.assets.person import Cloth
 from l4d_blender.motion.diners import Diner
 from l4d_blender.motion.servers import Stirring, spoon_between
-from l4d_blender.placing import Loose, pose
-from l4d_blender.scene import Instance, Scene
+from l4d_blender.scene.placing import Loose, pose
+from l4d_blender.scene.scene import Instance, Scene
 
 SCALE = "tabletop"
 

@@ -21,8 +21,8 @@ from l4d_blender.assets.hand import HandLook
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.assets.person import Cloth
 from l4d_blender.motion.rolling import Roller, Round, rock, roll
-from l4d_blender.placing import Loose, pose
-from l4d_blender.scene import Scene
+from l4d_blender.scene.placing import Loose, pose
+from l4d_blender.scene.scene import Scene
 
 SCALE = "tabletop"
 

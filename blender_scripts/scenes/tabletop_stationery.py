@@ -22,8 +22,8 @@ from l4d_blender.assets.materials import products
 from l4d_blender.assets.person import Cloth
 from l4d_blender.motion import writing
 from l4d_blender.motion.writing import PenHand
-from l4d_blender.placing import pose
-from l4d_blender.scene import Instance, Scene
+from l4d_blender.scene.placing import pose
+from l4d_blender.scene.scene import Instance, Scene
 
 SCALE = "tabletop"
 

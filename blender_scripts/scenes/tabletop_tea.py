@@ -20,9 +20,9 @@ from l4d_blender.assets.hand import HandLook
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.assets.person import Cloth
 from l4d_blender.motion.servers import Server, Stirring
-from l4d_blender.placing import Loose
-from l4d_blender.scene import Instance, Scene
-from l4d_blender.timeline import FRAME_COUNT
+from l4d_blender.scene.placing import Loose
+from l4d_blender.scene.scene import Instance, Scene
+from l4d_blender.scene.timeline import FRAME_COUNT
 
 SCALE = "tabletop"
 

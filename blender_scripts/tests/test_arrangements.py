@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from l4d_blender import catalogue
 from l4d_blender.compose.arrangements import arrange, pictures, stock
 from l4d_blender.compose.errors import Rejected
+from l4d_blender.scene import catalogue
 
 
 def test_every_noun_can_be_drawn_in_words_that_its_asset_takes() -> None:

@@ -12,9 +12,10 @@ import bpy
 import pytest
 from mathutils import Vector
 
-from l4d_blender import assets, catalogue, placing
-from l4d_blender.catalogue import Choice
-from l4d_blender.scene import FRONT_AXES, RecipeError, Scene
+from l4d_blender import assets
+from l4d_blender.scene import catalogue, placing
+from l4d_blender.scene.catalogue import Choice
+from l4d_blender.scene.scene import FRONT_AXES, RecipeError, Scene
 
 KINDS = catalogue.kinds()
 

@@ -15,7 +15,6 @@ import plain_places  # noqa: F401  enters the places
 from agreement import disagreements
 from conftest import first_of
 
-from l4d_blender import tracks
 from l4d_blender.compose import build, checks
 from l4d_blender.compose.animals.ways import Body, ahead, find_way, fits
 from l4d_blender.compose.areas import Area
@@ -23,7 +22,8 @@ from l4d_blender.compose.errors import Rejected
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Stage
 from l4d_blender.motion.acting import grip_points
-from l4d_blender.scene import Scene
+from l4d_blender.scene.scene import Scene
+from l4d_blender.worker import tracks
 
 THEMES = {
     "cats_outdoors": ("outdoor", "plain_lawn", "cat"),

@@ -8,7 +8,6 @@ import bpy  # noqa: F401, it brings mathutils
 import pytest
 from mathutils import Vector
 
-from l4d_blender import keys
 from l4d_blender.compose import build, themes
 from l4d_blender.compose.errors import Rejected
 from l4d_blender.compose.hands.penwork import Oblong, Spread, overlap
@@ -16,6 +15,7 @@ from l4d_blender.compose.hands.spoonwork import SHAPE
 from l4d_blender.compose.looks import Look
 from l4d_blender.compose.spec import Spec
 from l4d_blender.motion import writing
+from l4d_blender.scene import keys
 
 
 def _played(theme: str, scale: str, seed: int):

@@ -9,13 +9,13 @@ import pytest
 from conftest import first_of
 from mathutils import Vector
 
-from l4d_blender import tracks
 from l4d_blender.compose import checks
 from l4d_blender.compose.areas import Area
 from l4d_blender.compose.places import shipped_places
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Stage
-from l4d_blender.scene import Scene
+from l4d_blender.scene.scene import Scene
+from l4d_blender.worker import tracks
 
 OUTDOORS = [place for place in shipped_places() if place.scale == "outdoor"]
 LEAST_M = {"lawn": (5.0, 4.0), "road": (18.0, 5.0), "water": (3.5, 2.0)}

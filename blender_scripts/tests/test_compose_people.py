@@ -10,7 +10,6 @@ import bpy  # noqa: F401, it brings mathutils
 import numpy as np
 import pytest
 
-from l4d_blender import tracks
 from l4d_blender.compose import build, checks
 from l4d_blender.compose.areas import Area
 from l4d_blender.compose.errors import NoRoom, Rejected
@@ -22,7 +21,8 @@ from l4d_blender.compose.people.wares import WARES
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Chair, Stage
 from l4d_blender.compose.themes import themes
-from l4d_blender.scene import Scene
+from l4d_blender.scene.scene import Scene
+from l4d_blender.worker import tracks
 
 
 def appearance(attributes) -> tuple:

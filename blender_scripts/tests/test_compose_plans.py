@@ -6,7 +6,6 @@ import random
 
 import pytest
 
-from l4d_blender import tracks  # noqa: F401  brings bpy
 from l4d_blender.compose import build
 from l4d_blender.compose.areas import Area
 from l4d_blender.compose.errors import NoRoom
@@ -16,7 +15,8 @@ from l4d_blender.compose.places import Place
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Stage
 from l4d_blender.compose.themes import Theme
-from l4d_blender.scene import Scene
+from l4d_blender.scene.scene import Scene
+from l4d_blender.worker import tracks  # noqa: F401  brings bpy
 
 
 def _stage() -> Stage:

@@ -14,7 +14,7 @@ from l4d_blender.compose.places import shipped_places
 from l4d_blender.compose.settings.rooms import FEET_M, TALL_M, Room
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Stage
-from l4d_blender.scene import Scene
+from l4d_blender.scene.scene import Scene
 
 ROOMS = [place for place in shipped_places() if place.scale == "room"]
 

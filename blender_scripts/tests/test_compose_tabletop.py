@@ -6,7 +6,6 @@ from collections import Counter
 
 import pytest
 
-from l4d_blender import catalogue
 from l4d_blender.compose import build
 from l4d_blender.compose.errors import Rejected
 from l4d_blender.compose.hands import graspables
@@ -14,8 +13,9 @@ from l4d_blender.compose.places import places
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Stage
 from l4d_blender.compose.themes import themes
-from l4d_blender.scene import Scene
-from l4d_blender.timeline import MIN_EVENT_FRAMES
+from l4d_blender.scene import catalogue
+from l4d_blender.scene.scene import Scene
+from l4d_blender.scene.timeline import MIN_EVENT_FRAMES
 
 TABLES = [name for name, place in places().items() if "table" in place.offers and place.scale == "tabletop"]
 THEMES = ("things_moved", "things_slid", "things_rolled")

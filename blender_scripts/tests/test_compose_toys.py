@@ -13,7 +13,7 @@ from l4d_blender.compose.errors import Rejected
 from l4d_blender.compose.hands import arms
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Seat
-from l4d_blender.timeline import MIN_EVENT_FRAMES
+from l4d_blender.scene.timeline import MIN_EVENT_FRAMES
 
 THEMES = ("windup_toys", "spinning_tops", "tea_poured", "building_blocks", "rolling_toys", "dinner_laid")
 _PLACE = "garden_table"

@@ -6,7 +6,7 @@ import bpy  # noqa: F401  brings mathutils
 import numpy as np
 import pytest
 
-from l4d_blender.distances import Body, Gap
+from l4d_blender.scene.distances import Body, Gap
 
 FRAMES = 12
 

@@ -11,8 +11,8 @@ import pytest
 import raycast
 from conftest import HEIGHT, TOY, WIDTH, events_of, start_worker, write_job
 
-from l4d_blender import recipes
-from l4d_blender.exr import read_frame, write_frame
+from l4d_blender.worker import recipes
+from l4d_blender.worker.exr import read_frame, write_frame
 
 
 def frames(folder: Path) -> list[Path]:

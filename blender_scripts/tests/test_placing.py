@@ -12,9 +12,9 @@ from mathutils import Matrix
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.ground import Terrain
-from l4d_blender.placing import Loose, pose
-from l4d_blender.scattering import scatter, skyline
-from l4d_blender.scene import Scene
+from l4d_blender.scene.placing import Loose, pose
+from l4d_blender.scene.scattering import scatter, skyline
+from l4d_blender.scene.scene import Scene
 
 
 @pytest.fixture

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from mathutils import Matrix, Vector
 
-from l4d_blender import keys
 from l4d_blender.assets import mesh
-from l4d_blender.scene import Instance, RecipeError, Scene
+from l4d_blender.scene import keys
+from l4d_blender.scene.scene import Instance, RecipeError, Scene
 
 
 @pytest.fixture

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from conftest import TOY, start_worker
 
-from l4d_blender.cameras import training_subset
-from l4d_blender.timeline import PROFILES
-from l4d_blender.tracks import contact_runs
+from l4d_blender.scene.cameras import training_subset
+from l4d_blender.scene.timeline import PROFILES
+from l4d_blender.worker.tracks import contact_runs
 
 
 def track(tracks: dict, name: str) -> dict[str, np.ndarray]:
@@ -131,6 +131,8 @@ def test_the_plan_lists_the_scripts_and_the_gate(planned):
     assert plan["schema"] == "l4d/plan/1"
     assert plan["bpy"] == "4.5.15"
     assert list(plan["scripts"]) == sorted(plan["scripts"])
-    assert {"scenes/toy_yard.py", "l4d_blender/passes.py", "l4d_blender/exr.py"} <= set(plan["scripts"])
+    assert {"scenes/toy_yard.py", "l4d_blender/worker/passes.py", "l4d_blender/worker/exr.py"} <= set(
+        plan["scripts"]
+    )
     assert plan["gate"]["test"] in plan["gate"]["passing"]
     assert set(plan["gate"]["test_share"]) == {"crate_sliding", "crate_still", "ball", "post"}

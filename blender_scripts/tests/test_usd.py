@@ -127,7 +127,7 @@ def test_the_bytes_do_not_depend_on_addresses(planned, tmp_path):
         "for name in ('interpolation', 'elementSize', 'default', 'connectionPaths'):\n"
         "    collector.BeginEvent(name)\n"
         "collector.enabled = False\n"
-        "from l4d_blender.cli import main\n"
+        "from l4d_blender.worker.cli import main\n"
         "main(['plan', '--scene', 'toy_yard', '--recipes', *sys.argv[1:]])\n"
     )
     command = [sys.executable, "-c", script, str(TOY), "--out", str(tmp_path)]

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from conftest import PROJECT, TOY, events_of, start_worker, write_job
 
-from l4d_blender import recipes
+from l4d_blender.worker import recipes
 
 
 def failure(*arguments: str) -> dict:

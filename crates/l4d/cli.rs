@@ -114,7 +114,7 @@ pub(crate) enum Command {
     CheckQueries(CheckQueriesArgs),
     /// Numbers, tables and figures of the set: comparison, words, sizes, visibility, motion, intervals
     Stats(StatsArgs),
-    /// Model servers: what one supports, and how its model writes boxes
+    /// Model servers: what one supports
     #[command(subcommand)]
     Endpoint(EndpointCommand),
     /// Let a vision model propose queries: proved candidates, and all others with the reasons

@@ -13,12 +13,12 @@ from math import cos, exp, pi, sin
 import bpy
 from mathutils import Matrix, Vector, noise
 
-from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.assets.materials.base import principled
-from l4d_blender.catalogue import Choice, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene import keys
+from l4d_blender.scene.catalogue import Choice, kind
+from l4d_blender.scene.colour import Colour
 
 RED = ((0.46, 0.24, 0.045), (0.36, 0.016, 0.014))
 GREEN = ((0.22, 0.33, 0.035), (0.30, 0.30, 0.05))

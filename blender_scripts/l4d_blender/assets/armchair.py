@@ -9,7 +9,7 @@ import bpy
 from l4d_blender.assets import cushion, mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.parts import CORNERS, Parts
-from l4d_blender.catalogue import colours, kind
+from l4d_blender.scene.catalogue import colours, kind
 
 
 @kind("armchair", (0.712, 0.76, 0.908), "seat", front="-y", colour=colours("colour"))

@@ -16,8 +16,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
 from l4d_blender.assets.materials.base import Nodes, emission, principled
 from l4d_blender.assets.parts import Parts, placed
-from l4d_blender.catalogue import kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.colour import Colour
 
 KNEE_M = 0.95
 BOARD: Colour = (0.27, 0.165, 0.09)

@@ -9,9 +9,9 @@ from collections.abc import Callable
 import bpy
 from mathutils import Vector
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
-from ..colour import Colour, rgb
+from ..scene.colour import Colour, rgb
 from . import mesh
 from .ground import LEVEL, Terrain
 from .materials import outdoors

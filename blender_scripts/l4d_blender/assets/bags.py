@@ -15,8 +15,8 @@ from mathutils import Vector, noise
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import kind, words
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import kind, words
+from l4d_blender.scene.colour import Colour
 
 COLOURS: dict[str, Colour] = {
     "brown": (0.20, 0.085, 0.035),

@@ -13,7 +13,7 @@ from itertools import product
 import bpy
 from mathutils import Vector
 
-from l4d_blender.catalogue import Range, kind, words
+from l4d_blender.scene.catalogue import Range, kind, words
 
 from . import mesh
 from .materials import playground

@@ -12,9 +12,9 @@ import random
 import bpy
 from mathutils import Matrix, Vector, noise
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
-from ..colour import rgb
+from ..scene.colour import rgb
 from . import haystack, mesh
 from .materials import outdoors
 from .parts import placed

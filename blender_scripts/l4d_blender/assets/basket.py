@@ -12,9 +12,9 @@ from math import cos, pi, sin
 import bpy
 from mathutils import Vector, noise
 
-from l4d_blender.catalogue import kind, words
+from l4d_blender.scene.catalogue import kind, words
 
-from ..colour import Colour
+from ..scene.colour import Colour
 from . import mesh
 from .materials import interior, products
 from .materials.base import Nodes

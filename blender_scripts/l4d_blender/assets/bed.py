@@ -8,8 +8,8 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
-from l4d_blender.catalogue import Range, colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import Range, colours, kind
+from l4d_blender.scene.colour import Colour
 
 TOP_M = 0.46
 

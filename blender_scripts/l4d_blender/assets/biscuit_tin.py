@@ -13,8 +13,8 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.toy_robot import printed_tin
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 RADIUS_M = 0.052
 HEIGHT_M = 0.088

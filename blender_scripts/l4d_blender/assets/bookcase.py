@@ -10,7 +10,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.parts import Parts, placed
-from l4d_blender.catalogue import Range, kind
+from l4d_blender.scene.catalogue import Range, kind
 
 BINDINGS = (
     (0.36, 0.06, 0.05),

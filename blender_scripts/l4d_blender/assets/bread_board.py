@@ -14,7 +14,7 @@ from mathutils import Matrix, Vector, noise
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 BOARD_M = 0.016
 

@@ -12,7 +12,7 @@ import random
 import bpy
 from mathutils import Matrix, Vector
 
-from l4d_blender.catalogue import Choice, kind, words
+from l4d_blender.scene.catalogue import Choice, kind, words
 
 from . import mesh
 from .materials import outdoors

@@ -9,7 +9,7 @@ import random
 
 import bpy
 
-from l4d_blender.catalogue import colours, kind
+from l4d_blender.scene.catalogue import colours, kind
 
 from . import mesh
 from .lettering import lettering

@@ -12,8 +12,8 @@ from mathutils import Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
-from l4d_blender.catalogue import Range, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import Range, kind
+from l4d_blender.scene.colour import Colour
 
 _FOOT_M = 0.052
 

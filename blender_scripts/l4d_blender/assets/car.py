@@ -14,9 +14,9 @@ import bmesh
 import bpy
 from mathutils import Matrix, Vector
 
-from l4d_blender.catalogue import kind, words
+from l4d_blender.scene.catalogue import kind, words
 
-from ..colour import Colour
+from ..scene.colour import Colour
 from . import mesh
 from .lettering import lettering
 from .materials import street

@@ -28,7 +28,7 @@ from l4d_blender.assets.cat_anatomy import (
 )
 from l4d_blender.assets.materials import dogs, interior
 from l4d_blender.assets.rigs import armature, hang
-from l4d_blender.catalogue import Choice, kind, words
+from l4d_blender.scene.catalogue import Choice, kind, words
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import bpy
 from l4d_blender.assets import cushion
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 
 @kind("cat_tree", (0.618, 0.431, 1.04), "surface")

@@ -15,8 +15,8 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.parts import placed
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 PITCH_M = 0.60
 SEAT_M = 0.45

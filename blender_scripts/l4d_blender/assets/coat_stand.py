@@ -11,7 +11,7 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 COATS = ((0.10, 0.14, 0.22), (0.34, 0.20, 0.09), (0.30, 0.05, 0.05), (0.10, 0.20, 0.13), (0.45, 0.40, 0.32))
 

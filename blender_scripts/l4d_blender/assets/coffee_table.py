@@ -10,7 +10,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.parts import CORNERS, Parts
-from l4d_blender.catalogue import colours, kind
+from l4d_blender.scene.catalogue import colours, kind
 
 HEIGHT_M = 0.42
 

@@ -13,8 +13,8 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
-from l4d_blender.catalogue import Choice, kind
-from l4d_blender.colour import Colour, rgb
+from l4d_blender.scene.catalogue import Choice, kind
+from l4d_blender.scene.colour import Colour, rgb
 
 LENGTH_M = 0.116
 HALF_WIDTH_M = 0.0325

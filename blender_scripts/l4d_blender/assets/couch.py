@@ -13,8 +13,8 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
 from l4d_blender.assets.parts import CORNERS, Parts
-from l4d_blender.catalogue import Range, colours, kind, words
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import Range, colours, kind, words
+from l4d_blender.scene.colour import Colour
 
 SEAT_M = 0.43
 SEAT_AHEAD_M = 0.14

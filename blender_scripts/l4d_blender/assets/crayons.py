@@ -14,8 +14,8 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.colour import Colour
 
 RADIUS_M = 0.0045
 COLOURS: tuple[Colour, ...] = (

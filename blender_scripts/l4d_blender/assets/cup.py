@@ -13,11 +13,11 @@ from itertools import pairwise
 import bpy
 from mathutils import Vector
 
-from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
-from l4d_blender.catalogue import Choice, colours, kind, words
-from l4d_blender.colour import Colour
+from l4d_blender.scene import keys
+from l4d_blender.scene.catalogue import Choice, colours, kind, words
+from l4d_blender.scene.colour import Colour
 
 Profile = tuple[tuple[float, float], ...]
 

@@ -9,7 +9,7 @@ from mathutils import Vector, noise
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 
 @kind("cushion", (0.42, 0.16, 0.42), "graspable")

@@ -14,8 +14,8 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 SHOULDER = Vector((0.0, 0.012, 0.035))
 ELBOW = Vector((0.0, 0.085, 0.245))

@@ -10,8 +10,8 @@ import random
 import bpy
 
 from l4d_blender.assets import bookcase, flower_vase, kitchen_clutter, study_room, wooden_chair
-from l4d_blender.catalogue import kind
-from l4d_blender.placing import place
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.placing import place
 
 WALL_Y_M = 1.75
 _SIDEBOARD_M = 0.86

@@ -15,8 +15,8 @@ from mathutils import noise
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.assets.parts import CORNERS, Parts
-from l4d_blender.catalogue import kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.colour import Colour
 
 HEIGHT_M = 0.74
 CLOTH_M = 0.0022

@@ -8,7 +8,7 @@ import random
 import bpy
 from mathutils import Matrix, Vector, noise
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 from . import mesh
 from .materials import outdoors

@@ -16,9 +16,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector, noise
 
-from l4d_blender.catalogue import kind, words
+from l4d_blender.scene.catalogue import kind, words
 
-from ..colour import Colour, rgb
+from ..scene.colour import Colour, rgb
 from . import implicit, mesh
 from .materials import dogs as materials
 from .rigs import hang, upright_armature

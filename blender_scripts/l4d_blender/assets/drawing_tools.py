@@ -13,8 +13,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 
 @kind("ruler", (0.21, 0.033, 0.004), "graspable", "pushable")

@@ -10,8 +10,8 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import gym
-from l4d_blender.catalogue import COLOURS, Choice, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import COLOURS, Choice, kind
+from l4d_blender.scene.colour import Colour
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.parts import Parts
 from l4d_blender.assets.picture_frame import PALETTES
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 
 @kind("easel", (0.7, 0.693, 1.657), "surface", front="-y")

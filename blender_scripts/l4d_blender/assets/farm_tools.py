@@ -10,7 +10,7 @@ import random
 import bpy
 from mathutils import Matrix, Vector
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 from . import mesh
 from .materials import outdoors

@@ -11,12 +11,12 @@ from math import cos, pi, sin
 import bpy
 from mathutils import Matrix, Vector
 
-from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene import keys
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.colour import Colour
 
 DAISY = ((0.74, 0.72, 0.66), (0.66, 0.36, 0.03))
 ROSE = ((0.62, 0.13, 0.17), (0.50, 0.05, 0.08))

@@ -11,12 +11,12 @@ from math import cos, pi, sin
 import bpy
 from mathutils import Matrix, Vector, noise
 
-from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene import keys
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 BOWL_RIM_M, BOWL_HEIGHT_M, BOWL_FLOOR_M = 0.158, 0.072, 0.0085
 

@@ -11,8 +11,8 @@ from math import cos, degrees, radians, sin
 import bpy
 
 from l4d_blender.assets import fence, flower_vase, ground, mesh, tree
-from l4d_blender.catalogue import kind
-from l4d_blender.placing import place
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.placing import place
 
 _BUSHES = (
     (-3.3, -1.6),

@@ -12,8 +12,8 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
-from l4d_blender.catalogue import kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.colour import Colour
 
 
 @kind("glasses", (0.14, 0.143, 0.047), "graspable")

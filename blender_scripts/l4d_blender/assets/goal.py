@@ -11,7 +11,7 @@ import random
 import bpy
 from mathutils import Vector
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 from . import mesh
 from .materials import playground, products

@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 from mathutils import Vector, noise
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 from . import mesh
 from .materials import outdoors

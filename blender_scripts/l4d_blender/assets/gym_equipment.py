@@ -16,8 +16,8 @@ from l4d_blender.assets.materials import gym, interior
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.materials.products import glow, satin_plastic
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 BENCH_TOP_M = 0.44
 STEP_TOP_M = 0.20

@@ -12,7 +12,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import gym, interior
 from l4d_blender.assets.materials.products import window_view
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 WALL_HEIGHT_M = 3.4
 

@@ -14,9 +14,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from l4d_blender.catalogue import Choice, kind
+from l4d_blender.scene.catalogue import Choice, kind
 
-from ..colour import rgb
+from ..scene.colour import rgb
 from .anatomy import FINGERS, Bone, vec
 from .implicit import Blob, Cone, Ellipsoid, Grid, blended, clip, relax, smooth_min, smoothstep, surface_nets
 from .materials import skin as materials

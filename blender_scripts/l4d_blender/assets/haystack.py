@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector, noise
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 from . import mesh
 from .materials import outdoors

@@ -11,9 +11,9 @@ import random
 import bpy
 from mathutils import Matrix, Vector
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
-from ..colour import Colour
+from ..scene.colour import Colour
 from . import mesh
 from .materials import outdoors
 from .materials.base import Nodes, principled

@@ -12,7 +12,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import Range, kind
+from l4d_blender.scene.catalogue import Range, kind
 
 
 @kind("plant", (0.987, 0.996, 0.894), height_m=Range("height_m", 0.4, 1.4))

@@ -12,8 +12,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, kitchen
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 
 @kind("board", (0.38, 0.26, 0.09), "surface")

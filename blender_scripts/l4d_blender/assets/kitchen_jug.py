@@ -11,7 +11,7 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import kitchen
 from l4d_blender.assets.materials.base import principled
-from l4d_blender.catalogue import colours, kind
+from l4d_blender.scene.catalogue import colours, kind
 
 HEIGHT_M = 0.23
 LIP = (-0.104, 0.0, 0.236)

@@ -14,7 +14,7 @@ import bpy
 from l4d_blender.assets import bookcase, kitchen_room, kitchen_tools
 from l4d_blender.assets import kitchen_clutter as clutter
 from l4d_blender.assets import kitchen_units as units
-from l4d_blender.placing import place
+from l4d_blender.scene.placing import place
 
 HALF_WIDTH, BACK_Y, FRONT_Y = 2.6, 1.95, -3.3
 ISLAND = (0.06, -0.07)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import bpy
 from mathutils import Matrix, Vector
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 from . import mesh
 from .ground import Terrain

@@ -15,8 +15,8 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import Choice, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import Choice, kind
+from l4d_blender.scene.colour import Colour
 
 BASE_M = 0.0155
 LID_M = 0.0065

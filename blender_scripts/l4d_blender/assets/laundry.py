@@ -11,8 +11,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.parts import CORNERS, Parts
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 LINEN: tuple[Colour, ...] = (
     (0.62, 0.60, 0.56),

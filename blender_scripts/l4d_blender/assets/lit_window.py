@@ -15,8 +15,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import Nodes, emission, principled
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import colours, kind, words
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind, words
+from l4d_blender.scene.colour import Colour
 
 SKIES: dict[str, tuple[Colour, Colour, Colour, Colour]] = {
     "day": ((0.14, 0.20, 0.07), (0.34, 0.46, 0.18), (0.72, 0.86, 1.0), (0.42, 0.64, 0.95)),

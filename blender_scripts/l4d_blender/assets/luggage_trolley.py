@@ -9,7 +9,7 @@ import random
 
 import bpy
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 from . import mesh
 from .materials import products, street

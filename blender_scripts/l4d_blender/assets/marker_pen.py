@@ -15,8 +15,8 @@ from mathutils import Matrix
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
-from l4d_blender.catalogue import Choice, colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import Choice, colours, kind
+from l4d_blender.scene.colour import Colour
 
 LENGTH_M = 0.146
 RADIUS_M = 0.0080

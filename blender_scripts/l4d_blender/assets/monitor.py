@@ -12,8 +12,8 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
-from l4d_blender.catalogue import kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.colour import Colour
 
 BEZEL_M = 0.010
 BOTTOM_M = 0.095

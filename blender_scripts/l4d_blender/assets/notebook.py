@@ -16,8 +16,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import Choice, colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import Choice, colours, kind
+from l4d_blender.scene.colour import Colour
 
 PAGE_M = (0.148, 0.210)
 OPEN_M = 0.0100  # of the open pages where they are flat

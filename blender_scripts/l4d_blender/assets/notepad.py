@@ -13,8 +13,8 @@ from mathutils import Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
-from l4d_blender.catalogue import kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.colour import Colour
 
 THICKNESS_M = 0.009
 LINE_PITCH_M = 0.007

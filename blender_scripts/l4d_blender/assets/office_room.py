@@ -17,8 +17,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes, principled
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.colour import Colour
 
 WALL_HEIGHT_M = 2.7
 SILL_M, LINTEL_M = 0.92, 2.25

@@ -9,8 +9,8 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import principled
-from l4d_blender.catalogue import colours, kind, words
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind, words
+from l4d_blender.scene.colour import Colour
 
 
 @kind(

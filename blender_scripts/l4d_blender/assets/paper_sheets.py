@@ -13,8 +13,8 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 A5_M = (0.148, 0.210)
 

@@ -8,7 +8,7 @@ from math import cos, pi, sin
 import bpy
 from mathutils import Vector
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 from . import mesh
 from .materials import street

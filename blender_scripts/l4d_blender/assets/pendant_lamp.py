@@ -10,8 +10,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import emission
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import colours, kind, words
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind, words
+from l4d_blender.scene.colour import Colour
 
 SHAPES = {
     "dome": [(0.20, 0.0), (0.19, 0.06), (0.13, 0.14), (0.04, 0.19), (0.02, 0.24)],

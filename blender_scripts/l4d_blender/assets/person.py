@@ -13,9 +13,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from l4d_blender.catalogue import Choice, kind, words
+from l4d_blender.scene.catalogue import Choice, kind, words
 
-from ..colour import Colour
+from ..scene.colour import Colour
 from . import garments, head
 from .anatomy import BUILDS, CHIN_M, FINGERS, SIDES, Anatomy, vec
 from .implicit import clip, smoothstep

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import bpy
 from mathutils import Matrix
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 from . import mesh
 from .materials import playground, products

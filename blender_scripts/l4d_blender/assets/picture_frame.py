@@ -10,7 +10,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 PALETTES = (
     ((0.05, 0.10, 0.07), (0.14, 0.24, 0.12), (0.45, 0.42, 0.20), (0.75, 0.55, 0.34), (0.52, 0.66, 0.74)),

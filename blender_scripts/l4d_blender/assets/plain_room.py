@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import bpy
 from mathutils import Matrix
 
-from l4d_blender import placing
 from l4d_blender.assets import mesh, office_room, waiting_room
 from l4d_blender.assets.materials import gym, interior, kitchen, products
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.parts import Parts, placed
-from l4d_blender.catalogue import kind, words
-from l4d_blender.colour import Colour
+from l4d_blender.scene import placing
+from l4d_blender.scene.catalogue import kind, words
+from l4d_blender.scene.colour import Colour
 
 Opening = tuple[float, float, float, float]
 """From, to along the wall (x of the back wall, y of the others), from, to in height."""

@@ -11,11 +11,11 @@ from math import cos, pi, sin
 import bpy
 from mathutils import Matrix, Vector
 
-from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene import keys
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 
 @kind("plant", (0.261, 0.289, 0.248), "graspable", colour=colours("pot"))

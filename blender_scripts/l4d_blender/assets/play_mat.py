@@ -8,9 +8,9 @@ from math import cos, pi, sin
 
 import bpy
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
-from ..colour import Colour
+from ..scene.colour import Colour
 from . import mesh
 from .materials.base import Nodes
 from .materials.products import scaled

@@ -15,7 +15,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import kitchen
 from l4d_blender.assets.materials.base import principled
-from l4d_blender.catalogue import COLOURS, Choice, kind
+from l4d_blender.scene.catalogue import COLOURS, Choice, kind
 
 WALL_M = 0.004
 LOOP_OUT_M = 0.052

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import bpy
 from mathutils import Vector
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 from . import mesh
 from .materials import lakeside

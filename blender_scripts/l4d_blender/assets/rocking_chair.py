@@ -11,7 +11,7 @@ from math import cos, sin
 import bpy
 from mathutils import Matrix
 
-from l4d_blender.catalogue import colours, kind
+from l4d_blender.scene.catalogue import colours, kind
 
 from . import mesh
 from .materials import interior

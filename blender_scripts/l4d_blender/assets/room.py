@@ -9,7 +9,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 WALL_HEIGHT_M = 2.5
 

@@ -10,7 +10,7 @@ from mathutils import Vector, noise
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
-from l4d_blender.catalogue import Choice, kind
+from l4d_blender.scene.catalogue import Choice, kind
 
 THICKNESS_M = 0.009
 PALETTES: tuple[tuple[tuple[float, float, float], ...], ...] = (

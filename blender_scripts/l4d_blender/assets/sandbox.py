@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import bpy
 from mathutils import Matrix, Vector, noise
 
-from l4d_blender.catalogue import kind, words
+from l4d_blender.scene.catalogue import kind, words
 
 from . import mesh
 from .materials import outdoors, playground, products

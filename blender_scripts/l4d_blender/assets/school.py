@@ -12,8 +12,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
 from l4d_blender.assets.materials.base import Nodes, principled
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 
 @kind("desk", (0.7, 0.5, 0.74), "surface", front="-y", colour=colours("frame"))

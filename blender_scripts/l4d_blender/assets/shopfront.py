@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import bpy
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
-from ..colour import Colour
+from ..scene.colour import Colour
 from . import mesh
 from .lettering import lettering
 from .materials import outdoors, products, street

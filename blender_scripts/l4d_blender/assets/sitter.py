@@ -14,8 +14,8 @@ from mathutils import Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
-from l4d_blender.catalogue import kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.colour import Colour
 
 SHOULDER = Vector((0.185, 0.01, 0.53))
 

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import bpy
 
-from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene import keys
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 PLATE_M = 0.0065  # what stands on a plate stands this high
 

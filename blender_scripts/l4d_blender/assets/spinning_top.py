@@ -16,8 +16,8 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.toy_robot import printed_tin
-from l4d_blender.catalogue import COLOURS, Choice, kind, words
-from l4d_blender.colour import Colour, rgb
+from l4d_blender.scene.catalogue import COLOURS, Choice, kind, words
+from l4d_blender.scene.colour import Colour, rgb
 
 Profile = Sequence[tuple[float, float]]
 

@@ -15,8 +15,8 @@ from mathutils import Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
-from l4d_blender.catalogue import COLOURS, Choice, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import COLOURS, Choice, kind
+from l4d_blender.scene.colour import Colour
 
 SILVER: Colour = (0.72, 0.70, 0.66)
 

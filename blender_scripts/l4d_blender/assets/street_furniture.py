@@ -10,9 +10,9 @@ from math import cos, pi, sin
 
 import bpy
 
-from l4d_blender.catalogue import colours, kind
+from l4d_blender.scene.catalogue import colours, kind
 
-from ..colour import Colour
+from ..scene.colour import Colour
 from . import mesh, tree
 from .lettering import lettering
 from .materials import street

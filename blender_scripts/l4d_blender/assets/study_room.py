@@ -13,8 +13,8 @@ from mathutils import Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
-from l4d_blender.catalogue import kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.colour import Colour
 
 HALF_WIDTH_M = 2.6
 FRONT_M = 2.4

@@ -13,8 +13,8 @@ from mathutils import Matrix, Vector, noise
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 
 @kind("sugar_bowl", (0.101, 0.101, 0.073), "graspable", "container", colour=colours("glaze"))

@@ -15,9 +15,9 @@ from typing import Any
 import bpy
 from mathutils import Matrix, Vector
 
-from l4d_blender.catalogue import kind, words
+from l4d_blender.scene.catalogue import kind, words
 
-from ..colour import Colour
+from ..scene.colour import Colour
 from . import mesh
 from .materials import products
 from .materials.base import principled

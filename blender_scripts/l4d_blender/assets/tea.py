@@ -13,11 +13,11 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
-from l4d_blender.colour import Colour
-from l4d_blender.timeline import FPS, FRAME_COUNT
+from l4d_blender.scene import keys
+from l4d_blender.scene.colour import Colour
+from l4d_blender.scene.timeline import FPS, FRAME_COUNT
 
 GRAVITY = 9.81
 STREAM_M = 0.0064  # half width where it is thinnest

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import bpy
 from mathutils import Vector
 
-from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
-from l4d_blender.catalogue import colours, kind, words
-from l4d_blender.colour import Colour
+from l4d_blender.scene import keys
+from l4d_blender.scene.catalogue import colours, kind, words
+from l4d_blender.scene.colour import Colour
 
 Profile = tuple[tuple[float, float], ...]
 

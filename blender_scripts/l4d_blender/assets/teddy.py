@@ -10,9 +10,9 @@ import random
 import bpy
 from mathutils import Matrix, Vector, noise
 
-from l4d_blender.catalogue import kind, words
+from l4d_blender.scene.catalogue import kind, words
 
-from ..colour import Colour, rgb
+from ..scene.colour import Colour, rgb
 from . import mesh
 from .materials import interior
 from .materials.base import Nodes, principled

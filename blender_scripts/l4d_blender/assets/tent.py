@@ -9,8 +9,8 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 
 @kind("tent", (1.095, 1.095, 1.613), "container", front="-y", colour=colours("cloth"))

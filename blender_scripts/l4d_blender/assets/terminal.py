@@ -10,7 +10,7 @@ import random
 
 import bpy
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
 from . import mesh
 from .lettering import lettering

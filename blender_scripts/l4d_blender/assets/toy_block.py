@@ -17,8 +17,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
-from l4d_blender.catalogue import Choice, colours, kind, words
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import Choice, colours, kind, words
+from l4d_blender.scene.colour import Colour
 
 WOOD: Colour = (0.55, 0.36, 0.19)
 CREAM: Colour = (0.76, 0.70, 0.56)

@@ -7,9 +7,9 @@ import random
 import bpy
 from mathutils import Matrix
 
-from l4d_blender.catalogue import colours, kind
+from l4d_blender.scene.catalogue import colours, kind
 
-from ..colour import Colour
+from ..scene.colour import Colour
 from . import ball, mesh
 from .materials import interior, products
 

@@ -12,7 +12,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import colours, kind
+from l4d_blender.scene.catalogue import colours, kind
 
 
 @kind("toy", (0.173, 0.271, 0.132), "graspable", front="-y", colour=colours("colour"))

@@ -15,8 +15,8 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.colour import Colour
 
 HEIGHT_M = 0.095
 EDGE_Y_M = 0.055

@@ -17,8 +17,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import Choice, colours, kind, words
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import Choice, colours, kind, words
+from l4d_blender.scene.colour import Colour
 
 STANCE_M = 0.021  # half the distance between the feet
 HIP_M = 0.040

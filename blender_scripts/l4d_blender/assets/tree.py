@@ -14,9 +14,9 @@ import bpy
 import numpy as np
 from mathutils import Vector, noise
 
-from l4d_blender.catalogue import kind
+from l4d_blender.scene.catalogue import kind
 
-from ..colour import rgb
+from ..scene.colour import rgb
 from . import mesh
 from .materials import outdoors
 

@@ -16,8 +16,8 @@ from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.colour import Colour
 
 WALL_HEIGHT_M = 2.7
 DADO_M = 1.12

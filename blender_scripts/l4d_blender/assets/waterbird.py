@@ -17,9 +17,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Quaternion, Vector
 
-from l4d_blender.catalogue import kind, words
+from l4d_blender.scene.catalogue import kind, words
 
-from ..colour import Colour, rgb
+from ..scene.colour import Colour, rgb
 from . import implicit, mesh
 from .materials.birds import beak, eye, plumage_surface, scales
 from .rigs import hang, upright_armature

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from mathutils import Vector
 
-from ..colour import Colour
+from ..scene.colour import Colour
 
 Point = tuple[float, float, float]
 

@@ -17,8 +17,8 @@ from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import colours, kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import colours, kind
+from l4d_blender.scene.colour import Colour
 
 WIDTH_M, HEIGHT_M, BOTTOM_M = 1.50, 0.95, 0.90
 SURFACE_Y_M = -0.016

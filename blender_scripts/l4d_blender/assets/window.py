@@ -11,7 +11,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.parts import Parts
-from l4d_blender.catalogue import colours, kind
+from l4d_blender.scene.catalogue import colours, kind
 
 
 @kind("window", (1.83, 0.205, 2.04), "hangs", front="-y", curtain=colours("curtain"))

@@ -13,8 +13,8 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.parts import CORNERS, Parts
-from l4d_blender.catalogue import kind
-from l4d_blender.colour import Colour
+from l4d_blender.scene.catalogue import kind
+from l4d_blender.scene.colour import Colour
 
 
 @kind("box", (0.215, 0.157, 0.061), "surface", "container", front="-y")

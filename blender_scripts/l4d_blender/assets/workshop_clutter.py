@@ -15,7 +15,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.parts import Parts
 from l4d_blender.assets.toy_robot import gear
-from l4d_blender.catalogue import colours, kind
+from l4d_blender.scene.catalogue import colours, kind
 
 
 @kind("screwdriver", (0.198, 0.025, 0.026), "graspable", "rolls")

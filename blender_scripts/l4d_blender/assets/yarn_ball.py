@@ -10,9 +10,9 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
-from l4d_blender.catalogue import colours, kind
+from l4d_blender.scene.catalogue import colours, kind
 
-from ..colour import rgb
+from ..scene.colour import rgb
 
 RED = (0.50, 0.022, 0.030)
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from math import atan2, cos, degrees, hypot, pi, radians, sin
 from typing import TypeVar
 
-from ..placing import Point, Support
+from ..scene.placing import Point, Support
 from .errors import NoRoom
 
 Flat = tuple[float, float]

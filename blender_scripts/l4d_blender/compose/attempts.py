@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from .. import files, plan, tracks, visibility
-from ..scene import Scene
+from ..scene.scene import Scene
+from ..worker import files, plan, tracks, visibility
 from . import build, checks
 from .errors import Rejected
 from .spec import Spec, SpecError

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from dataclasses import replace
 
-from ..scene import RecipeError, Scene
+from ..scene.scene import RecipeError, Scene
 from .errors import Rejected
 from .places import Place, places
 from .spec import Spec, SpecError

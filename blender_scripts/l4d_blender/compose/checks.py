@@ -11,7 +11,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from .. import tracks, visibility
+from ..worker import tracks, visibility
 from .errors import Rejected
 from .stage import Stage
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..cameras import Camera
-from ..timeline import PROFILES
-from ..visibility import GATE_PIXELS, GATE_SHARE
+from ..scene.cameras import Camera
+from ..scene.timeline import PROFILES
+from ..worker.visibility import GATE_PIXELS, GATE_SHARE
 from .areas import Flat
 
 _SURE = 1.45  # so many times the pixels that the gate wants

@@ -14,9 +14,9 @@ from typing import Any, Protocol, TypeVar
 import bpy
 from mathutils import Vector
 
-from .. import cameras, catalogue
-from ..placing import Point, Support, Thing
-from ..scene import Instance, Scene
+from ..scene import cameras, catalogue
+from ..scene.placing import Point, Support, Thing
+from ..scene.scene import Instance, Scene
 from .areas import Area, Flat, Taken
 from .errors import Rejected
 from .looks import Look

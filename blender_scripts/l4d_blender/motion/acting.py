@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from mathutils import Matrix
 
-from .. import keys
 from ..assets.anatomy import SIDES, vec
-from ..scene import Instance, RecipeError
-from ..timeline import FPS, FRAME_COUNT
+from ..scene import keys
+from ..scene.scene import Instance, RecipeError
+from ..scene.timeline import FPS, FRAME_COUNT
 from .ik import between, ease, smooth, turn_z
 from .puppet import Foot, Reach, Stance
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..assets.anatomy import vec
 from ..assets.hand import BONES, DIGITS, FOREARM_M, UPPER_ARM_M
-from ..scene import RecipeError
-from ..timeline import FRAME_COUNT
+from ..scene.scene import RecipeError
+from ..scene.timeline import FRAME_COUNT
 from .grips import Pose, digit_frames
 from .ik import between, smooth, turn_about, two_bone, unit
 

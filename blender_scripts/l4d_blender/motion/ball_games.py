@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterable, Sequence
 
 from mathutils import Matrix, Quaternion, Vector
 
-from .. import keys
-from ..scene import Instance
-from ..timeline import FRAME_COUNT
+from ..scene import keys
+from ..scene.scene import Instance
+from ..scene.timeline import FRAME_COUNT
 
 Frames = tuple[int, int]
 Pace = Callable[[float], float]

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 import bpy
 from mathutils import Matrix, Vector
 
-from .. import keys
-from ..scene import Scene
-from ..timeline import LAST_FRAME
+from ..scene import keys
+from ..scene.scene import Scene
+from ..scene.timeline import LAST_FRAME
 from .limbs import segment, two_bones
 
 SIDES = ("left", "right")

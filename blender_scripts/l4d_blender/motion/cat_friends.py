@@ -11,8 +11,8 @@ import numpy as np
 from mathutils import Vector
 
 from ..assets.anatomy import vec
-from ..scene import RecipeError
-from ..timeline import FPS, LAST_FRAME
+from ..scene.scene import RecipeError
+from ..scene.timeline import FPS, LAST_FRAME
 from .cats import Cat
 from .ik import ease, turn_z
 from .people import Person

@@ -14,11 +14,11 @@ from typing import ClassVar
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys
 from ..assets import cat as shape
 from ..assets import cat_anatomy as anatomy
-from ..scene import Scene
-from ..timeline import FPS, LAST_FRAME
+from ..scene import keys
+from ..scene.scene import Scene
+from ..scene.timeline import FPS, LAST_FRAME
 from .ball_games import Ball
 from .cat_poses import PAW_TIP_RADIUS_M, POSTURES, CatPose, body, sitting, solve, standing, toe_lift
 from .quadrupeds import PAWS, Frames, Gait, Quadruped

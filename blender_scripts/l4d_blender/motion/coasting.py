@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys
-from ..timeline import FRAME_COUNT
+from ..scene import keys
+from ..scene.timeline import FRAME_COUNT
 from .hands import Frames
 from .rolling import Momentum, Roller
 from .toy_blocks import PushingHand

@@ -12,8 +12,8 @@ from math import pi
 import numpy as np
 
 from ..assets.anatomy import vec
-from ..scene import Instance
-from ..timeline import FPS, FRAME_COUNT, LAST_FRAME
+from ..scene.scene import Instance
+from ..scene.timeline import FPS, FRAME_COUNT, LAST_FRAME
 from .handling import Grip, Handler, key_path
 from .ik import ease, turn_y, turn_z, unit
 from .plan_person import ROWS, Frames

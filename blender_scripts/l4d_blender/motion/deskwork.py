@@ -13,11 +13,11 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys
 from ..assets.anatomy import SIDES, vec
 from ..assets.laptop import Laptop
-from ..scene import Instance
-from ..timeline import FPS, FRAME_COUNT
+from ..scene import keys
+from ..scene.scene import Instance
+from ..scene.timeline import FPS, FRAME_COUNT
 from .fingertips import Rigid, pen_in_hand, tip_offset
 from .ik import ease, turn_about, turn_z
 from .plan_person import ROWS, SIGN, Frames

@@ -11,11 +11,11 @@ from math import cos, radians, sin
 import numpy as np
 from mathutils import Matrix
 
-from .. import keys
 from ..assets.anatomy import vec
 from ..assets.hand import DIGITS
-from ..scene import Instance
-from ..timeline import FRAME_COUNT
+from ..scene import keys
+from ..scene.scene import Instance
+from ..scene.timeline import FRAME_COUNT
 from .arm import DOWN, matrix_of, thumbward
 from .grips import POSES, Placed, Pose, Solid, digit_frames
 from .hands import Frames, Point, _rotation

@@ -13,10 +13,10 @@ from typing import ClassVar
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys
 from ..assets import dog as anatomy
-from ..scene import Instance, Scene
-from ..timeline import FPS
+from ..scene import keys
+from ..scene.scene import Instance, Scene
+from ..scene.timeline import FPS
 from .dog_poses import NOSE_TIP, POSTURES, DogPose, solve, standing, trunk
 from .quadrupeds import PAWS, Frames, Gait, Quadruped
 

@@ -13,10 +13,10 @@ from math import cos, radians, sin, tan
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys
 from ..assets.car import WHEEL_RADIUS_M, WHEELBASE_M, Car
-from ..scene import Instance
-from ..timeline import FPS, FRAME_COUNT, MIN_EVENT_FRAMES
+from ..scene import keys
+from ..scene.scene import Instance
+from ..scene.timeline import FPS, FRAME_COUNT, MIN_EVENT_FRAMES
 from .ik import ease
 
 Knots = Sequence[tuple[float, float]]

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from mathutils import Matrix
 
-from .. import keys
 from ..assets.anatomy import FINGERS
-from ..scene import Instance
-from ..timeline import FRAME_COUNT
+from ..scene import keys
+from ..scene.scene import Instance
+from ..scene.timeline import FRAME_COUNT
 from .acting import Played
 from .ik import ease, turn_about
 from .puppet import Puppet

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..assets.anatomy import SIDES, Anatomy, vec
-from ..timeline import FPS, FRAME_COUNT
+from ..scene.timeline import FPS, FRAME_COUNT
 from .ik import ease, smooth, turn_x, turn_z
 
 MAX_STEPS_PER_S = 2.5

@@ -15,9 +15,9 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from .. import keys
 from ..assets.anatomy import FINGERS, vec
 from ..assets.hand import DIGITS, JOINTS, RADII, thumb_up
+from ..scene import keys
 from .ik import turn_about, turn_y, turn_z
 
 Pose: TypeAlias = np.ndarray

@@ -15,10 +15,10 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from .. import keys
 from ..assets.anatomy import vec
-from ..scene import Instance, RecipeError
-from ..timeline import FRAME_COUNT, LAST_FRAME
+from ..scene import keys
+from ..scene.scene import Instance, RecipeError
+from ..scene.timeline import FRAME_COUNT, LAST_FRAME
 from .acting import grip_points
 from .ik import ease, turn_z, unit
 from .people import Person

@@ -12,11 +12,11 @@ from math import pi, radians
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys
 from ..assets.anatomy import vec
 from ..assets.hand import DIGITS, HandLook, hand
-from ..scene import Instance, RecipeError, Scene
-from ..timeline import FPS, FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
+from ..scene import keys
+from ..scene.scene import Instance, RecipeError, Scene
+from ..scene.timeline import FPS, FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
 from .arm import DOWN, Arm, matrix_of, thumbward
 from .grips import POSES, Placed, Pose, Solid, digit_frames, digit_samples, palm_samples
 from .ik import between, ease, smooth, turn_z, unit

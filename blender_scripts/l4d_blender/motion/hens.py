@@ -11,9 +11,9 @@ from collections.abc import Mapping
 
 from mathutils import Matrix, Vector
 
-from .. import keys
 from ..assets import hen as shape
-from ..scene import Scene
+from ..scene import keys
+from ..scene.scene import Scene
 from .birds import Bird, Pose, even, heading_on, on_keys, solve
 
 STEP_M = 0.13

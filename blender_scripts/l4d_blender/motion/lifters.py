@@ -10,8 +10,8 @@ from math import pi, radians
 import numpy as np
 
 from ..assets.anatomy import SIDES, vec
-from ..scene import Instance
-from ..timeline import LAST_FRAME, MIN_EVENT_FRAMES
+from ..scene.scene import Instance
+from ..scene.timeline import LAST_FRAME, MIN_EVENT_FRAMES
 from .handling import Grip, Handler, key_path
 from .ik import between, ease, smooth, turn_x, turn_y, turn_z
 from .plan_person import ROWS, SIGN, Frames

@@ -12,8 +12,8 @@ import numpy as np
 from mathutils import Matrix
 
 from ..assets.anatomy import SIDES, vec
-from ..scene import Instance
-from ..timeline import FPS, LAST_FRAME
+from ..scene.scene import Instance
+from ..scene.timeline import FPS, LAST_FRAME
 from .ik import ease, turn_z
 from .people import Person
 from .plan_person import ROWS, SIGN, Frames, Held

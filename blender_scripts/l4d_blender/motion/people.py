@@ -12,10 +12,10 @@ from math import pi, radians
 import numpy as np
 from mathutils import Matrix
 
-from .. import keys
 from ..assets.anatomy import SIDES, vec
-from ..scene import Instance, RecipeError
-from ..timeline import FPS, FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
+from ..scene import keys
+from ..scene.scene import Instance, RecipeError
+from ..scene.timeline import FPS, FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
 from . import gait
 from .acting import bake_person, check
 from .ik import ease, turn_z, unit

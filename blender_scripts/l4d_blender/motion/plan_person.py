@@ -15,8 +15,8 @@ from mathutils import Matrix
 
 from ..assets.anatomy import SIDES, vec
 from ..assets.person import Look, person
-from ..scene import Instance, RecipeError, Scene
-from ..timeline import FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
+from ..scene.scene import Instance, RecipeError, Scene
+from ..scene.timeline import FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
 from . import gait
 from .ik import ease, turn_z
 from .puppet import Puppet, Stance

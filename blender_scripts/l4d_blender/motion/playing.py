@@ -14,8 +14,8 @@ from mathutils import Matrix
 
 from ..assets.anatomy import SIDES, Anatomy, vec
 from ..assets.person import Look
-from ..scene import Instance
-from ..timeline import FPS, LAST_FRAME
+from ..scene.scene import Instance
+from ..scene.timeline import FPS, LAST_FRAME
 from . import gait
 from .ik import ease, smooth, turn_x, turn_z
 from .people import Person

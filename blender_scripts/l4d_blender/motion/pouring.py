@@ -11,8 +11,8 @@ import bpy
 from mathutils import Vector
 
 from ..assets import cup, tea, teapot
-from ..scene import Instance
-from ..timeline import FRAME_COUNT
+from ..scene.scene import Instance
+from ..scene.timeline import FRAME_COUNT
 from .hands import Frames
 from .servers import _UPRIGHT_RAD, Server
 

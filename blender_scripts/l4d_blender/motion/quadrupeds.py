@@ -18,9 +18,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Quaternion, Vector
 
-from .. import keys
-from ..scene import Instance, Scene
-from ..timeline import FRAME_COUNT
+from ..scene import keys
+from ..scene.scene import Instance, Scene
+from ..scene.timeline import FRAME_COUNT
 from .limbs import about, carried
 
 PAWS = ("fore.L", "fore.R", "hind.L", "hind.R")

@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys
 from ..assets.anatomy import SIDES
 from ..assets.magazine import LEFT_RAD, PAGE_M, Magazine, leaf_edge
-from ..scene import Instance
-from ..timeline import FRAME_COUNT, LAST_FRAME
+from ..scene import keys
+from ..scene.scene import Instance
+from ..scene.timeline import FRAME_COUNT, LAST_FRAME
 from .fingertips import tip_offset
 from .ik import ease
 from .plan_person import ROWS, SIGN, Frames

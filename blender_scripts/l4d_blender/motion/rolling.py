@@ -14,9 +14,9 @@ from math import atan2, exp, pi, radians, sin
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys
-from ..scene import Instance
-from ..timeline import FPS, FRAME_COUNT
+from ..scene import keys
+from ..scene.scene import Instance
+from ..scene.timeline import FPS, FRAME_COUNT
 from .grips import POSES, Placed, Pose, Solid
 from .hands import Frames, Point
 from .ik import ease

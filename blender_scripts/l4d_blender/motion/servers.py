@@ -13,8 +13,8 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from ..assets.anatomy import vec
-from ..scene import Instance
-from ..timeline import FRAME_COUNT
+from ..scene.scene import Instance
+from ..scene.timeline import FRAME_COUNT
 from .arm import DOWN, matrix_of, thumbward
 from .grips import POSES, Placed, Pose, Solid
 from .hands import Frames, Hand, Point, _rotation

@@ -11,10 +11,10 @@ from math import atan2, pi, radians, sin
 
 from mathutils import Matrix, Vector
 
-from .. import keys
 from ..assets.spinning_top import Profile, lean_at_rest, rim
-from ..scene import Instance
-from ..timeline import FPS, FRAME_COUNT, LAST_FRAME
+from ..scene import keys
+from ..scene.scene import Instance
+from ..scene.timeline import FPS, FRAME_COUNT, LAST_FRAME
 from .hands import Frames, Hand
 
 SPIN_HZ = 2.7

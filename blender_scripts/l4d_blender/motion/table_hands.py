@@ -5,7 +5,7 @@ Adds to `Roller` what is no grip: fingertips that push, a palm that lies on some
 
 from __future__ import annotations
 
-from ..scene import Instance
+from ..scene.scene import Instance
 from .hands import Frames, Point
 from .rolling import Roller
 

@@ -13,8 +13,8 @@ import numpy as np
 from mathutils import Vector
 
 from ..assets.anatomy import vec
-from ..scene import Instance, RecipeError
-from ..timeline import FPS, FRAME_COUNT
+from ..scene.scene import Instance, RecipeError
+from ..scene.timeline import FPS, FRAME_COUNT
 from .ball_games import Ball
 from .people import Person
 from .plan_person import ROWS, SIGN, Frames

@@ -12,10 +12,10 @@ from math import asin, cos, hypot, sin, sqrt
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys
 from ..assets import toy_ramp
-from ..scene import Instance
-from ..timeline import FRAME_COUNT, MIN_EVENT_FRAMES
+from ..scene import keys
+from ..scene.scene import Instance
+from ..scene.timeline import FRAME_COUNT, MIN_EVENT_FRAMES
 from .hands import Frames, Hand, Point
 
 # Half the way over which a block tips over an edge, and how soon a pushing hand stops (metres, frames).

@@ -11,10 +11,10 @@ from math import pi
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys
 from ..assets.anatomy import vec
-from ..scene import Instance, RecipeError
-from ..timeline import FPS, FRAME_COUNT
+from ..scene import keys
+from ..scene.scene import Instance, RecipeError
+from ..scene.timeline import FPS, FRAME_COUNT
 from .ik import ease, turn_z
 from .people import Person
 from .plan_person import ROWS, SIGN, Frames, Held

@@ -13,12 +13,12 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys
 from ..assets import phone
 from ..assets.anatomy import vec
 from ..assets.suitcase import WHEEL_RADIUS_M, Suitcase
-from ..scene import Instance, RecipeError
-from ..timeline import FRAME_COUNT, LAST_FRAME
+from ..scene import keys
+from ..scene.scene import Instance, RecipeError
+from ..scene.timeline import FRAME_COUNT, LAST_FRAME
 from .acting import Played, grip_points
 from .ik import ease, turn_z
 from .people import Person

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..scene import Instance
-from ..timeline import LAST_FRAME
+from ..scene.scene import Instance
+from ..scene.timeline import LAST_FRAME
 from .people import Person
 from .plan_person import Frames
 

@@ -11,10 +11,10 @@ from collections.abc import Mapping, Sequence
 import bpy
 from mathutils import Matrix, Vector
 
-from .. import keys
 from ..assets import waterbird as shape
-from ..scene import Instance, Scene
-from ..timeline import LAST_FRAME
+from ..scene import keys
+from ..scene.scene import Instance, Scene
+from ..scene.timeline import LAST_FRAME
 from .birds import SIDES, Bird, Pose, body_motion, even, heading_on, on_keys, solve
 
 STEP_M = 0.115

@@ -11,10 +11,10 @@ from math import pi, radians, sin
 
 from mathutils import Matrix, Vector
 
-from .. import keys
 from ..assets.toy_robot import KEY_AT, Robot
-from ..scene import Instance, RecipeError
-from ..timeline import FPS, FRAME_COUNT
+from ..scene import keys
+from ..scene.scene import Instance, RecipeError
+from ..scene.timeline import FPS, FRAME_COUNT
 from .hands import Frames
 
 STEP_FRAMES = 8

@@ -13,11 +13,11 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Quaternion, Vector
 
-from .. import keys
 from ..assets.hand import DIGITS
 from ..assets.marker_pen import RADIUS_M, TIP_X_M
-from ..scene import Instance
-from ..timeline import FPS, FRAME_COUNT
+from ..scene import keys
+from ..scene.scene import Instance
+from ..scene.timeline import FPS, FRAME_COUNT
 from .arm import matrix_of
 from .grips import POSES, Placed, Pose, Solid, digit_frames
 from .hands import Frames, _flesh, _rotation

@@ -187,7 +187,7 @@ def find(name: str) -> Kind:
     """The kind of that name."""
     module = name.partition(".")[0]
     if name not in _KINDS and module in _modules():
-        importlib.import_module(f"{__package__}.assets.{module}")
+        importlib.import_module(f"l4d_blender.assets.{module}")
     if name not in _KINDS:
         close = difflib.get_close_matches(name, kinds(), 3)
         raise CatalogueError(
@@ -199,11 +199,11 @@ def find(name: str) -> Kind:
 def kinds() -> dict[str, Kind]:
     """All kinds, by name; imports every asset."""
     for module in _modules():
-        importlib.import_module(f"{__package__}.assets.{module}")
+        importlib.import_module(f"l4d_blender.assets.{module}")
     return dict(sorted(_KINDS.items()))
 
 
 def _modules() -> list[str]:
-    from . import assets
+    from .. import assets
 
     return [module.name for module in pkgutil.iter_modules(assets.__path__) if not module.ispkg]

@@ -9,7 +9,7 @@ from typing import cast
 
 import bpy
 
-from .assets import mesh
+from ..assets import mesh
 from .placing import Point, Spot, Support, place
 from .scene import Scene
 

@@ -16,10 +16,10 @@ import threading
 from pathlib import Path
 from typing import NoReturn
 
+from ..compose import spec as specs
+from ..scene.timeline import CAMERA_COUNT, LAST_FRAME
 from . import new_scene, recipes
-from .compose import spec as specs
 from .recipes import WorkerError
-from .timeline import CAMERA_COUNT, LAST_FRAME
 
 
 def main(arguments: list[str] | None = None) -> NoReturn:
@@ -170,8 +170,8 @@ def _compose(options: argparse.Namespace, events: _Events) -> None:
     _follow_parent()
     _make_folder(options.out)
     _make_folder(options.recipes)
-    from .compose import attempts
-    from .compose.errors import Rejected
+    from ..compose import attempts
+    from ..compose.errors import Rejected
 
     spec = specs.Spec(
         options.scene,
@@ -203,7 +203,7 @@ def _compose(options: argparse.Namespace, events: _Events) -> None:
 def _arrange(options: argparse.Namespace, events: _Events) -> None:
     _follow_parent()
     _make_folder(options.out)
-    from .compose.arrangements import pictures
+    from ..compose.arrangements import pictures
 
     for seed in range(options.first, options.first + options.count, options.every):
         made = pictures.render(options.out, seed, options.views, options.samples, options.threads)
@@ -212,7 +212,7 @@ def _arrange(options: argparse.Namespace, events: _Events) -> None:
 
 
 def _compositions(options: argparse.Namespace, events: _Events) -> None:
-    from .compose import build
+    from ..compose import build
 
     for scale in specs.SCALES:
         for theme, fitting in build.settings(scale):
@@ -229,12 +229,12 @@ def _compositions(options: argparse.Namespace, events: _Events) -> None:
 
 def _render(options: argparse.Namespace, events: _Events) -> None:
     _follow_parent()
-    from . import worker
+    from . import render
 
-    job = worker.read_job(options.job)
+    job = render.read_job(options.job)
     recipes.find(job.scene, job.recipes)
     _make_folder(job.out)
-    worker.run(job, events.send)
+    render.run(job, events.send)
 
 
 def _preview(options: argparse.Namespace, events: _Events) -> None:

@@ -22,7 +22,7 @@ Axes: the floor is z = 0, cameras are on the -Y side; metres; a heading of 0 deg
 from __future__ import annotations
 
 from l4d_blender.motion.ball_games import RollingBall, slowing
-from l4d_blender.scene import Scene
+from l4d_blender.scene.scene import Scene
 
 SCALE = "{scale}"
 

@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 import OpenEXR
 
-from .cameras import CAMERA_PREFIX
+from ..scene.cameras import CAMERA_PREFIX
 
 NO_HIT_M = 1.0e9  # Cycles writes 1e10 where the ray meets nothing
 _GPU_KINDS = ("OPTIX", "CUDA", "HIP", "ONEAPI", "METAL")

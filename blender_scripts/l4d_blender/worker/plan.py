@@ -12,10 +12,12 @@ from pathlib import Path
 
 import bpy
 
-from . import cameras, files, recipes, tracks, visibility
-from .scene import Scene
+from ..scene import cameras
+from ..scene.scene import Scene
+from . import files, recipes, tracks, visibility
 
-_RENDER_MODULES = ("l4d_blender/exr.py", "l4d_blender/worker.py")  # imported only when frames are rendered
+# Imported only when frames are rendered.
+_RENDER_MODULES = ("l4d_blender/worker/exr.py", "l4d_blender/worker/render.py")
 Warnings = list[tuple[str, dict[str, object]]]
 
 

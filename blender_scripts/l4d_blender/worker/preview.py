@@ -9,8 +9,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ..scene.scene import Scene
 from .passes import Renderer
-from .scene import Scene
 
 _MARGIN = 2
 

@@ -18,9 +18,9 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .scene import Scene
+    from ..scene.scene import Scene
 
-PROJECT = Path(__file__).resolve().parent.parent
+PROJECT = Path(__file__).resolve().parents[2]
 RECIPES = PROJECT / "scenes"
 
 
@@ -58,7 +58,7 @@ def build(name: str, seed: int = 0, folder: Path = RECIPES) -> tuple[Scene, str]
         return _composed(path)
     if str(PROJECT) not in sys.path:
         sys.path.insert(0, str(PROJECT))
-    from .scene import RecipeError, Scene
+    from ..scene.scene import RecipeError, Scene
 
     try:
         recipe = _load(path)
@@ -76,9 +76,9 @@ def build(name: str, seed: int = 0, folder: Path = RECIPES) -> tuple[Scene, str]
 
 
 def _composed(path: Path) -> tuple[Scene, str]:
-    from .compose import build as composer
-    from .compose import spec as specs
-    from .compose.errors import Rejected
+    from ..compose import build as composer
+    from ..compose import spec as specs
+    from ..compose.errors import Rejected
 
     try:
         composition = specs.read(path)

@@ -19,9 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ..scene.timeline import FRAME_COUNT, LAST_FRAME
 from . import files, recipes
 from .recipes import WorkerError
-from .timeline import FRAME_COUNT, LAST_FRAME
 
 _CHUNK_IMAGES = 24
 

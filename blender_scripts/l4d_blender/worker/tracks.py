@@ -17,9 +17,9 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from . import distances
-from .scene import Instance, Scene
-from .timeline import FPS, FRAME_COUNT, LAST_FRAME
+from ..scene import distances
+from ..scene.scene import Instance, Scene
+from ..scene.timeline import FPS, FRAME_COUNT, LAST_FRAME
 
 CONTACT_M = 0.005  # closer than this is contact ...
 RELEASE_M = 0.010  # ... which lasts until they are further apart than this

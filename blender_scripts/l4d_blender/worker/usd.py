@@ -12,9 +12,9 @@ import bpy
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdShade, UsdSkel, Vt
 
+from ..scene.scene import Scene
+from ..scene.timeline import FPS, LAST_FRAME, PROFILES
 from .files import atomic
-from .scene import Scene
-from .timeline import FPS, LAST_FRAME, PROFILES
 from .tracks import rounded
 
 _NAME_ATTRIBUTE = "userProperties:blender:object_name"

@@ -11,10 +11,10 @@ from statistics import median
 
 import numpy as np
 
-from .cameras import training_subset
+from ..scene.cameras import training_subset
+from ..scene.scene import Scene
+from ..scene.timeline import PROFILES
 from .passes import Renderer
-from .scene import Scene
-from .timeline import PROFILES
 
 GATE_PIXELS = 150  # at the size of the small profile
 GATE_SHARE = 0.8  # of the sampled frames

@@ -11,9 +11,9 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials.base import principled
-from l4d_blender.keys import ease_between, key_bones, key_matrices
-from l4d_blender.scene import Scene
-from l4d_blender.timeline import FRAME_COUNT
+from l4d_blender.scene.keys import ease_between, key_bones, key_matrices
+from l4d_blender.scene.scene import Scene
+from l4d_blender.scene.timeline import FRAME_COUNT
 
 SCALE = "tabletop"
 

@@ -123,11 +123,6 @@ impl SharedWork {
         self.0.join("download")
     }
 
-    /// `endpoints.json`: how models write boxes.
-    pub fn endpoints(&self) -> PathBuf {
-        self.0.join("endpoints.json")
-    }
-
     /// `frames`: pictures that segmenters are shown.
     pub fn segmenter_frames(&self) -> PathBuf {
         self.0.join("frames")

@@ -13,7 +13,8 @@ use serde_json::Value;
 use ureq::http::{HeaderName, Uri};
 
 use crate::budget::Prices;
-use crate::error::EndpointError;
+use crate::coordinates::Convention;
+use crate::error::{EndpointError, excerpt};
 
 /// Fields of a question that l4d sets itself, and those of them that an endpoint may leave out.
 const OWN: [&str; 3] = ["model", "messages", "stream"];
@@ -128,7 +129,7 @@ pub struct Endpoint {
     /// Fields of the question's body that the server does not take.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub omit: Vec<String>,
-    /// Convention of the model's coordinates, where it is known; `l4d endpoint calibrate` finds it.
+    /// Convention of the model's coordinates, for couplings that take boxes: docs/endpoints.md lists them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coordinates: Option<String>,
     /// How long to wait.
@@ -176,6 +177,21 @@ impl Default for Retry {
 }
 
 impl Endpoint {
+    /// How the model writes boxes.
+    ///
+    /// # Errors
+    /// The endpoint does not say, or names no convention.
+    pub fn convention(&self) -> Result<&'static Convention, EndpointError> {
+        match &self.coordinates {
+            Some(name) => Convention::named(name),
+            None => Err(EndpointError::not_asked(
+                "coordinates",
+                format!("it is not known how `{}` writes boxes", excerpt(&self.model)),
+                "set `coordinates` in the endpoint file: docs/endpoints.md lists which models write boxes how",
+            )),
+        }
+    }
+
     /// An endpoint with defaults.
     ///
     /// # Errors

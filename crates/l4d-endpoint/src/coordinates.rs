@@ -129,7 +129,7 @@ impl Convention {
             EndpointError::not_asked(
                 "coordinates",
                 format!("`{}` is no convention that l4d knows", name.escape_debug()),
-                format!("use one of {}, or let `l4d endpoint calibrate` find it", names.join(", ")),
+                format!("use one of {}", names.join(", ")),
             )
         })
     }

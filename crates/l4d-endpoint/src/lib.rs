@@ -7,7 +7,6 @@
 //! must keep `ureq` and `ureq_proto` out of it.
 
 mod budget;
-pub mod calibration;
 mod client;
 mod config;
 pub mod coordinates;
@@ -23,7 +22,6 @@ mod retry;
 mod secret;
 
 pub use budget::{Budget, Plan, Prices, Spent, Tokens};
-pub use calibration::Calibrations;
 pub use client::{CacheUse, Client};
 pub use config::{BaseUrl, Endpoint};
 pub use coordinates::{BoxPx, Convention};

@@ -20,7 +20,6 @@ pub mod preview;
 mod quantiles;
 pub mod sample;
 pub mod sheet;
-pub mod targets;
 pub mod text;
 pub mod truth;
 

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use l4d_data::digest::sha256_hex;
-use l4d_endpoint::{Calibrations, Client, Convention, Endpoint, EndpointError, Plan};
+use l4d_endpoint::{Client, Convention, Endpoint, EndpointError, Plan};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -119,13 +119,12 @@ pub struct Vlm {
 }
 
 impl Vlm {
-    /// A coupling of a model and a segmenter. Boxes need a convention of coordinates, configured or calibrated.
+    /// A coupling of a model and a segmenter. Boxes need a convention of coordinates.
     ///
     /// # Errors
     /// A setting cannot be, the segmenter does not take what the coupling gives, or the convention is not known.
     pub fn new(
         client: Client,
-        calibrations: &Calibrations,
         segmenter: Arc<Segmenter>,
         coupling: Coupling,
         settings: Settings,
@@ -142,7 +141,7 @@ impl Vlm {
         }
         segmenter.takes(if coupling == Coupling::Box { "box" } else { "text" })?;
         let convention = match coupling {
-            Coupling::Box => client.endpoint().convention(calibrations)?,
+            Coupling::Box => client.endpoint().convention()?,
             // No coordinates are asked for.
             Coupling::Text | Coupling::Pick => Convention::named("rel1000_xyxy")?,
         };

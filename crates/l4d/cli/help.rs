@@ -36,7 +36,6 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     ("propose-prompts", &["l4d propose-prompts --profile tiny --endpoint endpoint.toml --dry-run"]),
     ("propose-scenes", &["l4d propose-scenes --endpoint endpoint.toml --scales room --per-scale 3"]),
     ("endpoint check", &["l4d endpoint check --endpoint endpoint.toml"]),
-    ("endpoint calibrate", &["l4d endpoint calibrate --endpoint endpoint.toml --pictures 4"]),
     (
         "open-round",
         &["l4d open-round r1 --annotators ada,ben,cyd,dee,eve --sample 40", "l4d open-round r1 --pack ada"],

@@ -6,7 +6,6 @@ use clap::{Args, Subcommand};
 use l4d_data::{Scale, Shard};
 use l4d_endpoint::Link;
 
-use super::splats::PixelSize;
 use super::{BenchArgs, number, one_of};
 use crate::shipped;
 
@@ -37,35 +36,12 @@ pub(crate) struct EndpointArgs {
 pub(crate) enum EndpointCommand {
     /// Ask a server what it supports: models, chat, pictures, schema, seed; one line each, with the hint
     Check(EndpointCheckArgs),
-    /// Find out how a model writes boxes, by asking about pictures with squares at known places
-    Calibrate(EndpointCalibrateArgs),
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct EndpointCheckArgs {
     #[command(flatten)]
     pub(crate) endpoint: EndpointArgs,
-    /// Print JSON
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct EndpointCalibrateArgs {
-    #[command(flatten)]
-    pub(crate) endpoint: EndpointArgs,
-    /// Pictures to ask about, each once for every field name that models know
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=9))]
-    pub(crate) pictures: u32,
-    /// Width and height of the pictures, pixels; the default tells all conventions apart
-    #[arg(long, value_name = "WxH", default_value = "714x490")]
-    pub(crate) size: PixelSize,
-    /// Longest answer, tokens
-    #[arg(long, value_name = "TOKENS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(16..=65536))]
-    pub(crate) answer_tokens: u32,
-    /// Folder for what can be remade; endpoints.json in it remembers the convention
-    #[arg(long, value_name = "DIR", default_value = "work")]
-    pub(crate) work: PathBuf,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

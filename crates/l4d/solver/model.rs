@@ -6,7 +6,7 @@ use std::sync::Arc;
 use anyhow::{Context as _, Result};
 use l4d_blender::python::Environment;
 use l4d_data::workspace::SharedWork;
-use l4d_endpoint::{Calibrations, Link};
+use l4d_endpoint::Link;
 use l4d_ground::GrounderFile;
 use l4d_ground::vlm::Vlm;
 use l4d_ground::worker::{FrameStore, Segmenter, TextGrounder, Worker, WorkerError, WorkerTimeouts};
@@ -36,8 +36,7 @@ pub(super) fn open(path: &Path, server: &ServerArgs, work: &SharedWork, out: &Pr
         return Ok(Grounders::Shared(Arc::new(TextGrounder::new(segmenter).map_err(of_worker)?)));
     };
     let client = open_client(server)?;
-    let calibrations = Calibrations::read(&work.endpoints())?;
-    let vlm = Vlm::new(client, &calibrations, segmenter, coupling, file.model).map_err(|error| {
+    let vlm = Vlm::new(client, segmenter, coupling, file.model).map_err(|error| {
         let hint = error.hint();
         refusal(format!("{}: {error}", path.display()), hint)
     })?;

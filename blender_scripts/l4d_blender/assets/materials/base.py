@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 import bpy
 
-from ...colour import Colour
+from ...scene.colour import Colour
 
 Socket: TypeAlias = bpy.types.NodeSocket
 Value: TypeAlias = Socket | float | Sequence[float]

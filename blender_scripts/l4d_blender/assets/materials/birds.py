@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...colour import Colour, rgb
+from ...scene.colour import Colour, rgb
 from .base import Nodes, principled
 
 

@@ -11,7 +11,7 @@ import bpy
 
 from l4d_blender.assets.materials.base import Nodes
 from l4d_blender.assets.materials.products import scaled
-from l4d_blender.colour import Colour
+from l4d_blender.scene.colour import Colour
 
 
 def _start(name: str, colour: Colour) -> tuple[bpy.types.Material, Nodes]:

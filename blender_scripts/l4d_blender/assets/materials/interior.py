@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from l4d_blender.assets.materials.base import Nodes, emission, principled
-from l4d_blender.colour import Colour
+from l4d_blender.scene.colour import Colour
 
 if TYPE_CHECKING:
     from l4d_blender.assets.cat import Coat

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...colour import Colour
+from ...scene.colour import Colour
 from .base import Nodes, principled
 
 

@@ -10,7 +10,7 @@ import random
 
 import bpy
 
-from ...colour import Colour, rgb
+from ...scene.colour import Colour, rgb
 from .base import Nodes, Socket, principled
 
 #: Enamel paints for buckets and carts, linear RGB.

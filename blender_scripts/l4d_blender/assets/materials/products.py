@@ -11,7 +11,7 @@ from math import pi
 
 import bpy
 
-from ...colour import Colour, rgb
+from ...scene.colour import Colour, rgb
 from .base import Nodes, Socket, emission, principled
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...colour import Colour
+from ...scene.colour import Colour
 from .base import Nodes
 
 PATTERNS = ("plain", "stripes", "checks", "dots", "denim")

@@ -10,7 +10,7 @@ import random
 
 import bpy
 
-from ...colour import Colour
+from ...scene.colour import Colour
 from .base import Nodes, Socket, principled
 from .products import scaled
 

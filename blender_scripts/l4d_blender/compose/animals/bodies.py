@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
-from ... import catalogue
 from ...motion.dogs import Dog
-from ...scene import Instance
+from ...scene import catalogue
+from ...scene.scene import Instance
 from ..looks import Look
 from .members import Part
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import random
 from typing import Any
 
-from ... import catalogue
 from ...motion.ball_games import Ball
+from ...scene import catalogue
 from .. import looks
 from ..areas import Area
 from ..stage import Stage

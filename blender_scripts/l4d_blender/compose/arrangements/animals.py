@@ -7,14 +7,14 @@ from collections.abc import Callable
 
 from mathutils import Vector
 
-from ... import catalogue
 from ...assets import waterbird
 from ...motion.cats import Cat
 from ...motion.dogs import Dog
 from ...motion.hens import Hen
 from ...motion.waterbirds import WaterBird
-from ...scene import Instance
-from ...timeline import LAST_FRAME
+from ...scene import catalogue
+from ...scene.scene import Instance
+from ...scene.timeline import LAST_FRAME
 from ..stage import Stage
 from . import stock
 

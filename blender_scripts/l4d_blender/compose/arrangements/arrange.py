@@ -14,9 +14,9 @@ from math import hypot
 
 import bpy
 
-from ... import cameras
-from ...placing import Thing
-from ...scene import RecipeError, Scene
+from ...scene import cameras
+from ...scene.placing import Thing
+from ...scene.scene import RecipeError, Scene
 from ..areas import Area, Flat
 from ..errors import NoRoom, Rejected
 from ..looks import Look

@@ -13,9 +13,9 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ... import exr, files
-from ...cameras import OPENCV_FROM_BLENDER, Camera
-from ...passes import Renderer
+from ...scene.cameras import OPENCV_FROM_BLENDER, Camera
+from ...worker import exr, files
+from ...worker.passes import Renderer
 from ..errors import Rejected
 from ..stage import Stage
 from . import arrange

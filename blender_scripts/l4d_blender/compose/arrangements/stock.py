@@ -12,7 +12,7 @@ from functools import cache
 from math import hypot
 from typing import Any
 
-from ... import catalogue
+from ...scene import catalogue
 from .. import looks
 from ..hands.graspables import GRASPABLES
 from ..looks import Look

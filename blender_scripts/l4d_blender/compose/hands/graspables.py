@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ... import catalogue
 from ...assets import spoon
-from ...catalogue import COLOURS
+from ...scene import catalogue
+from ...scene.catalogue import COLOURS
 from .. import looks
 from ..looks import Look
 

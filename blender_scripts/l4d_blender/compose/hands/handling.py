@@ -14,7 +14,7 @@ from mathutils import Vector
 
 from ...motion.coasting import CoastingHand
 from ...motion.rolling import Round
-from ...scene import Instance
+from ...scene.scene import Instance
 from ..areas import Area, Flat, heading_to
 from ..errors import NoRoom
 from ..looks import Look

@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ... import keys
 from ...assets import apple
 from ...motion.rolling import Round
 from ...motion.table_hands import TableHand
-from ...timeline import LAST_FRAME
+from ...scene import keys
+from ...scene.timeline import LAST_FRAME
 from .. import sight
 from ..areas import Area, Flat
 from ..errors import NoRoom, Rejected

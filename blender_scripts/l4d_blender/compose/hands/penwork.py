@@ -18,7 +18,7 @@ from ...assets import marker_pen, notebook
 from ...motion import writing
 from ...motion.table_hands import TableHand
 from ...motion.writing import PenHand
-from ...timeline import LAST_FRAME
+from ...scene.timeline import LAST_FRAME
 from ..areas import Area, Flat, heading_to
 from ..errors import NoRoom
 from ..looks import Look

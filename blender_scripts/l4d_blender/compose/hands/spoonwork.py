@@ -14,8 +14,8 @@ from mathutils import Vector
 from ...assets import soup_bowl, spoon
 from ...motion.diners import Diner
 from ...motion.servers import Stirring, spoon_between
-from ...placing import pose
-from ...timeline import LAST_FRAME
+from ...scene.placing import pose
+from ...scene.timeline import LAST_FRAME
 from ..areas import Area, Flat, heading_to
 from ..errors import NoRoom
 from ..looks import Look

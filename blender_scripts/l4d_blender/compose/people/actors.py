@@ -23,9 +23,9 @@ from ...motion.reading import Reader
 from ...motion.throwing import Thrower
 from ...motion.traders import Trader
 from ...motion.travellers import Traveller
-from ...placing import Point
-from ...scene import Instance
-from ...timeline import FPS, LAST_FRAME
+from ...scene.placing import Point
+from ...scene.scene import Instance
+from ...scene.timeline import FPS, LAST_FRAME
 from ..looks import Look
 from ..stage import Prop, Stage
 from .folk import Figure

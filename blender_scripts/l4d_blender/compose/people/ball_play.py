@@ -13,7 +13,7 @@ from mathutils import Quaternion
 from ...motion.ball_games import Ball, RollingBall, slowing
 from ...motion.playing import kick_spot
 from ...motion.throwing import toss
-from ...timeline import FRAME_COUNT, LAST_FRAME
+from ...scene.timeline import FRAME_COUNT, LAST_FRAME
 from ..areas import Area, Flat
 from ..errors import NoRoom
 from .actors import Actor

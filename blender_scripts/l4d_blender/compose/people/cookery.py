@@ -13,7 +13,7 @@ import numpy as np
 from ...assets import kitchen_jug, pot
 from ...motion.cooks import JugPath, SpoonPath, stream_matrices
 from ...motion.handling import Grip, key_path, still
-from ...timeline import FRAME_COUNT, LAST_FRAME
+from ...scene.timeline import FRAME_COUNT, LAST_FRAME
 from .. import looks
 from ..areas import Flat
 from ..looks import Look

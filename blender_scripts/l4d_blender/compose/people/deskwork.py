@@ -13,7 +13,7 @@ from mathutils import Matrix
 
 from ...assets import laptop
 from ...motion.deskwork import Computer
-from ...timeline import LAST_FRAME
+from ...scene.timeline import LAST_FRAME
 from .. import looks
 from ..areas import Flat
 from ..looks import Look

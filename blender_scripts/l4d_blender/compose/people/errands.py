@@ -14,7 +14,7 @@ import numpy as np
 from mathutils import Vector
 
 from ...motion.traders import swing_while_carried
-from ...timeline import FRAME_COUNT, LAST_FRAME
+from ...scene.timeline import FRAME_COUNT, LAST_FRAME
 from ..areas import Area, Flat, heading_to
 from ..errors import NoRoom
 from .actors import Actor

@@ -14,8 +14,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from ...scene import Scene
-from ...timeline import FRAME_COUNT, PROFILES
+from ...scene.scene import Scene
+from ...scene.timeline import FRAME_COUNT, PROFILES
 from ..areas import Area, Flat
 from ..errors import NoRoom, Rejected
 from ..stage import Stage

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ... import keys
-from ...timeline import FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
+from ...scene import keys
+from ...scene.timeline import FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
 from ..areas import Area, Flat, heading_to
 from ..errors import NoRoom
 from ..looks import Look

@@ -8,7 +8,7 @@ import numpy as np
 from mathutils import Euler, Matrix
 
 from ...motion.reading import Spread
-from ...timeline import LAST_FRAME
+from ...scene.timeline import LAST_FRAME
 from ..areas import Area
 from ..errors import NoRoom
 from ..looks import Look

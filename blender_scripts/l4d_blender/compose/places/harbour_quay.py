@@ -8,7 +8,7 @@ import bpy
 
 from ...assets import mesh, shopfront
 from ...assets.materials import lakeside, street
-from ...colour import rgb
+from ...scene.colour import rgb
 from ..settings import outdoors
 from ..settings.outdoors import Mark
 from . import place

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ... import catalogue
 from ...assets import couch
+from ...scene import catalogue
 from ..settings import rooms
 from . import place
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ...assets import mesh, shopfront
-from ...colour import rgb
+from ...scene.colour import rgb
 from ..settings import outdoors
 from ..settings.outdoors import Mark
 from . import place

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ...assets import ground, mesh
 from ...assets.materials import playground as materials
-from ...colour import rgb
+from ...scene.colour import rgb
 from ..settings import outdoors
 from ..settings.outdoors import Mark
 from . import place

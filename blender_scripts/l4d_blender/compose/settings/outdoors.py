@@ -13,11 +13,11 @@ from typing import Any, Protocol
 
 import bpy
 
-from ... import catalogue
 from ...assets import autumn, mesh
-from ...colour import Colour
-from ...placing import AnyThing, HeightField, Support, Thing, parts
-from ...scattering import NEARLY, scatter, skyline
+from ...scene import catalogue
+from ...scene.colour import Colour
+from ...scene.placing import AnyThing, HeightField, Support, Thing, parts
+from ...scene.scattering import NEARLY, scatter, skyline
 from ..areas import Area, Flat
 from ..looks import Look
 from ..stage import Chair, Prop, Stage

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from math import asin, atan2, cos, degrees, hypot, radians, sin, tan
 from typing import TYPE_CHECKING, Any
 
-from ... import catalogue
 from ...assets import floor_lamp
-from ...colour import Colour
+from ...scene import catalogue
+from ...scene.colour import Colour
 from ..areas import Area, Flat, heading_to
 from ..errors import Rejected
 from ..stage import Chair, Prop

@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from ... import catalogue
-from ...catalogue import COLOURS
-from ...colour import Colour
+from ...scene import catalogue
+from ...scene.catalogue import COLOURS
+from ...scene.colour import Colour
 from ..areas import Area, Flat, retried
 from ..errors import NoRoom
 from ..hands.arms import reaches

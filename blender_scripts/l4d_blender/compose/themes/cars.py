@@ -10,9 +10,9 @@ from math import cos, degrees, radians, sin, tan
 from typing import TYPE_CHECKING
 
 from ...assets.car import WHEELBASE_M, CarLook
-from ...keys import ease
 from ...motion.driving import Driver
-from ...timeline import FPS, FRAME_COUNT, LAST_FRAME
+from ...scene.keys import ease
+from ...scene.timeline import FPS, FRAME_COUNT, LAST_FRAME
 from .. import looks
 from ..areas import Area, Flat
 from ..errors import NoRoom, Rejected

@@ -7,10 +7,10 @@ import random
 from math import ceil
 from typing import TYPE_CHECKING
 
-from ... import catalogue
 from ...motion.ball_games import Ball
 from ...motion.cats import Cat, Tap
-from ...timeline import FPS, LAST_FRAME
+from ...scene import catalogue
+from ...scene.timeline import FPS, LAST_FRAME
 from .. import looks
 from ..animals import bodies, playthings, ways
 from ..animals.members import Part, Plan, Planner, Toy, planned

@@ -6,7 +6,7 @@ import random
 from math import hypot
 from typing import TYPE_CHECKING
 
-from ...timeline import LAST_FRAME
+from ...scene.timeline import LAST_FRAME
 from ..areas import Area, Flat
 from ..errors import Rejected
 from ..people import cookery, folk

@@ -10,7 +10,7 @@ from mathutils import Vector
 
 from ...motion.ball_games import Ball
 from ...motion.dogs import Dog, nudge_reach
-from ...timeline import FPS, LAST_FRAME
+from ...scene.timeline import FPS, LAST_FRAME
 from .. import looks
 from ..animals import bodies, playthings, ways
 from ..animals.members import Part, Plan, Planner, Toy, planned

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import ceil, hypot
 from typing import TYPE_CHECKING
 
-from ...timeline import LAST_FRAME
+from ...scene.timeline import LAST_FRAME
 from .. import looks
 from ..animals import bodies, ways
 from ..animals.members import Part, Plan, Planner, planned

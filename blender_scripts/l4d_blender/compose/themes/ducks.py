@@ -6,12 +6,12 @@ import itertools
 import random
 from typing import TYPE_CHECKING, Any
 
-from ... import keys
 from ...assets import lake
 from ...assets import waterbird as shape
 from ...assets.bird_feeder import DISH_RADIUS_M, SEED_Z_M, WATER_Z_M
 from ...motion.waterbirds import DRAFT_M, WaterBird
-from ...timeline import FPS, LAST_FRAME
+from ...scene import keys
+from ...scene.timeline import FPS, LAST_FRAME
 from .. import looks
 from ..animals import bodies, ways
 from ..animals.members import Part, Plan, Planner, planned

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from mathutils import Vector
 
-from ... import keys
 from ...motion.hens import Hen
-from ...timeline import FPS, LAST_FRAME
+from ...scene import keys
+from ...scene.timeline import FPS, LAST_FRAME
 from .. import looks
 from ..animals import bodies, ways
 from ..animals.members import Part, Plan, Planner, planned

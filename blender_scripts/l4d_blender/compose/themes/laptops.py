@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from typing import TYPE_CHECKING
 
-from ...timeline import LAST_FRAME
+from ...scene.timeline import LAST_FRAME
 from ..areas import Area, Flat
 from ..errors import Rejected
 from ..people import deskwork, folk

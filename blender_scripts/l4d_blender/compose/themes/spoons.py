@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from ... import catalogue
-from ...cameras import Camera
+from ...scene import catalogue
+from ...scene.cameras import Camera
 from .. import looks
 from ..areas import Area, retried
 from ..errors import NoRoom

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 from mathutils import Vector
 
-from ... import catalogue
 from ...assets import cup, spoon, tea
 from ...motion.pouring import Drink, Pourer, spout_over
 from ...motion.servers import Server, Stirring
+from ...scene import catalogue
 from .. import looks
 from ..areas import Area, Flat, retried
 from ..errors import NoRoom

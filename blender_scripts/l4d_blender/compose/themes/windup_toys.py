@@ -19,7 +19,7 @@ from ..looks import Look
 from . import theme
 
 if TYPE_CHECKING:
-    from ...scene import Instance
+    from ...scene.scene import Instance
     from ..stage import Stage
 
 Frames = tuple[int, int]

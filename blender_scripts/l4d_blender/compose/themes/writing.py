@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
 
-from ...cameras import Camera
+from ...scene.cameras import Camera
 from .. import looks
 from ..areas import Area, retried
 from ..errors import NoRoom

@@ -254,8 +254,8 @@ impl Places<'_> {
         if self.outside > 0 {
             let name = &self.pictures.convention.name;
             notes.push(format!(
-                "{} {of} leave the range of `{name}` and were cut; if that happens often, `l4d endpoint calibrate` tells \
-                 whether it is the right convention",
+                "{} {of} leave the range of `{name}` and were cut; if that happens often, another of the `coordinates` \
+                 of docs/endpoints.md is right for this model",
                 self.outside
             ));
         }

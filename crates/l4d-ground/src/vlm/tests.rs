@@ -66,7 +66,7 @@ fn small() -> Settings {
 }
 
 fn vlm(client: Client, worker: &str, coupling: Coupling, settings: Settings, folder: &Path) -> Vlm {
-    Vlm::new(client, &Calibrations::default(), segmenter(worker, folder), coupling, settings).unwrap()
+    Vlm::new(client, segmenter(worker, folder), coupling, settings).unwrap()
 }
 
 fn live(server: &Server) -> Client {
@@ -271,15 +271,14 @@ fn what_cannot_work_is_told_before_anything_is_asked() {
     let folder = tempfile::tempdir().unwrap();
     let server = serve(|_| says(PLAN));
     let open = |client: Client, worker, coupling, settings| {
-        Vlm::new(client, &Calibrations::default(), segmenter(worker, folder.path()), coupling, settings)
-            .unwrap_err()
+        Vlm::new(client, segmenter(worker, folder.path()), coupling, settings).unwrap_err()
     };
     let error = open(live(&server), "box", Coupling::Text, small());
     assert!(matches!(error, VlmError::Worker(_)) && error.to_string().contains("not text"), "{error}");
     let mut unknown = endpoint(&server.url());
     unknown.coordinates = None;
     let error = open(Client::open(unknown, &Link::Live).unwrap(), "box", Coupling::Box, small());
-    assert!(error.to_string().contains("tiny-vl") && error.hint().contains("calibrate"), "{error}");
+    assert!(error.to_string().contains("tiny-vl") && error.hint().contains("coordinates"), "{error}");
     let error = open(live(&server), "box", Coupling::Box, Settings { keyframes: 0, ..small() });
     assert!(error.to_string().starts_with("keyframes"), "{error}");
 }

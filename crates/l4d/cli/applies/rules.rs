@@ -97,16 +97,7 @@ pub(super) const RULES: &[Rule] = &[
     Rule { verbs: &["verdict"], options: &["force"], when: Without("unsealed") },
     // Model servers: nothing is sent, so nothing needs a key.
     Rule {
-        verbs: &[
-            "endpoint check",
-            "endpoint calibrate",
-            "propose-prompts",
-            "propose-scenes",
-            "solve",
-            "query",
-            "serve",
-            "ablate",
-        ],
+        verbs: &["endpoint check", "propose-prompts", "propose-scenes", "solve", "query", "serve", "ablate"],
         options: &["api_key_env"],
         when: Is("link", &["live", "record:*"]),
     },

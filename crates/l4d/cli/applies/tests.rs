@@ -20,7 +20,6 @@ const ALWAYS: &[(&str, &str)] = &[
     ("check-queries", "bench profile scenes against public json"),
     ("stats", "bench profile scenes out json"),
     ("endpoint check", "endpoint base_url vlm server link json"),
-    ("endpoint calibrate", "endpoint base_url vlm server link pictures size answer_tokens work json"),
     (
         "propose-prompts",
         "bench profile scenes endpoint base_url vlm server link cache refresh max_cost max_tokens_total repeat \
