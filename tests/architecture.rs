@@ -133,6 +133,21 @@ fn verbs_import_no_verbs() {
     );
 }
 
+/// Lines of all sources with their tests. Who adds to one says here why it has to grow, or finds what can go.
+const BUDGETS: [(&str, &[&str], usize); 2] =
+    [("rs", &["crates", "tests", "fuzz"], 150_000), ("py", &["blender_scripts"], 58_000)];
+
+#[test]
+fn sources_stay_within_their_budget() {
+    for (end, folders, budget) in BUDGETS {
+        let files = folders.iter().flat_map(|folder| files_below(&root().join(folder)));
+        let sources = files.filter(|file| file.extension().is_some_and(|found| found == end));
+        let lines: usize = sources.map(|file| std::fs::read_to_string(file).unwrap().lines().count()).sum();
+        println!("{lines} lines of {end}, of {budget}");
+        assert!(lines <= budget, "{lines} lines of {end}, but the budget is {budget}");
+    }
+}
+
 fn list(value: &Value) -> impl Iterator<Item = &Value> {
     value.as_array().unwrap().iter()
 }
