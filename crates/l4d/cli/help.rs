@@ -131,6 +131,45 @@ mod tests {
     use super::*;
     use crate::cli::Cli;
 
+    const REFERENCE: &str = "docs/cli.md";
+
+    /// The help of every verb, in the order of the stages.
+    fn reference() -> String {
+        let mut text =
+            "# Command line\n\nThe help of every verb, as `l4d <verb> --help` prints it. Written by \
+                        `UPDATE_DOCS=1 cargo test --bin l4d reference`.\n"
+                .to_owned();
+        let mut root = with_help(Cli::command()).term_width(100);
+        root.build();
+        for (stage, verbs) in STAGES {
+            text.push_str(&format!("\n## {stage}\n"));
+            for verb in *verbs {
+                let verb = root.find_subcommand(verb).expect("each verb has one stage").clone();
+                let below: Vec<Command> =
+                    verb.get_subcommands().filter(|one| one.get_name() != "help").cloned().collect();
+                let shown = if below.is_empty() { vec![verb] } else { below };
+                for mut verb in shown {
+                    let name = verb.get_bin_name().unwrap_or_default().to_owned();
+                    let help = verb.render_help().to_string();
+                    let lines: Vec<&str> = help.trim_end().lines().map(str::trim_end).collect();
+                    text.push_str(&format!("\n### {name}\n\n```text\n{}\n```\n", lines.join("\n")));
+                }
+            }
+        }
+        text
+    }
+
+    #[test]
+    fn the_reference_is_what_help_says() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(REFERENCE);
+        let reference = reference();
+        if std::env::var_os("UPDATE_DOCS").is_some() {
+            std::fs::write(&path, &reference).expect("the docs can be written");
+        }
+        let committed = std::fs::read_to_string(&path).unwrap_or_default();
+        assert!(committed == reference, "{REFERENCE} is not what help says: run it with UPDATE_DOCS=1");
+    }
+
     #[test]
     fn each_verb_has_one_stage() {
         let staged: Vec<&str> = STAGES.iter().flat_map(|(_, verbs)| verbs.iter().copied()).collect();
