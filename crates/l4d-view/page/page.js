@@ -240,6 +240,12 @@ function showTime() {
 }
 
 /** A row under the slider; `spans` are [first, last, title]. */
+/** A scroll bar beside the bars takes room that the slider above them must leave too. */
+function fitSlider() {
+  const gutter = $("rows").offsetWidth - $("rows").clientWidth;
+  $("timeline").style.setProperty("--gutter", `${gutter}px`);
+}
+
 function lane(label, spans, kind) {
   const bar = element("div");
   for (const [first, last, title] of spans) {
@@ -287,6 +293,7 @@ function showRows() {
   }
   for (const [label, spans] of events) rows.push(lane(label, spans, "event"));
   $("rows").replaceChildren(...rows);
+  fitSlider();
 }
 
 // ---- Cameras ----
@@ -586,7 +593,7 @@ $("home").addEventListener("click", home);
 $("slider").addEventListener("input", () => go(Number($("slider").value)));
 $("speed").addEventListener("change", () => (state.speed = Number($("speed").value)));
 $("camera").addEventListener("change", () => lookFrom($("camera").value));
-new ResizeObserver(() => ask()).observe($("frame"));
+new ResizeObserver(() => (fitSlider(), ask())).observe($("frame"));
 
 state.start = firstOrbit();
 state.orbit = state.start.copy();
