@@ -355,6 +355,8 @@ function showControls() {
     button.setAttribute("aria-pressed", button.dataset.number === state.sentence);
   }
   $("methods").hidden = !state.sentence;
+  // A sentence of one's own has no truth.
+  if ($("truth-shown")) $("truth-shown").hidden = !sentenceOf()?.truth;
 }
 
 function check(label, checked, change, ...more) {
@@ -446,7 +448,9 @@ function buildSentences() {
     return made;
   };
   if (DOCUMENT.masks) {
-    $("methods").append(check("Truth", true, (on) => (state.truth = on), swatch("truth"))[0]);
+    const [label] = check("Truth", true, (on) => (state.truth = on), swatch("truth"));
+    label.id = "truth-shown";
+    $("methods").append(label);
   }
   DOCUMENT.methods.forEach((name, place) => {
     const [label] = check(name, true, (on) => (state.methods[place] = on), swatch(`method-${place}`));
