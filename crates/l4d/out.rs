@@ -230,7 +230,7 @@ impl Progress for Printer {
         let hidden = self.quiet || !io::stderr().is_terminal();
         let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(total), target);
-        let template = "{prefix:>12} [{bar:32}] {pos}/{len} {msg} {elapsed_precise} eta {eta_precise}";
+        let template = "{spinner} {prefix:>10} [{bar:20}] {pos}/{len} {elapsed} eta {eta} {wide_msg}";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.progress_chars("=> "));
         }

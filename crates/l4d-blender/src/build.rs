@@ -66,10 +66,14 @@ pub fn build(
     // Some scenes at once: a plan is mostly one thread's work.
     let recipe = |name| Recipe::of(request.bench, name, request.seed);
     let recipes: Vec<Recipe> = request.scenes.iter().map(recipe).collect::<Result<_>>()?;
+    progress.start("planning", recipes.len() as u64);
     let plans = in_parallel(&recipes, request.jobs, |recipe| {
-        progress.note(&format_args!("planning {}", recipe.scene));
-        plan(env, &request.space.scene(&recipe.scene), recipe, request.work, progress)
+        progress.item(&recipe.scene);
+        let plan = plan(env, &request.space.scene(&recipe.scene), recipe, request.work, progress);
+        progress.advance(1);
+        plan
     })?;
+    progress.finish();
     let mut planned = Vec::new();
     for (recipe, plan) in recipes.into_iter().zip(plans) {
         request.part.check(&plan.tracks, profile)?;
