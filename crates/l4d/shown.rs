@@ -9,8 +9,8 @@ use l4d_data::query::read_queries;
 use l4d_data::store::list_folder;
 use l4d_data::tracks::Tracks;
 use l4d_data::truth::Truth;
-use l4d_data::{DataError, Name, Rig, Scene, counted};
-use l4d_splat::source::Source;
+use l4d_data::{DataError, Name, Profile, Rig, Scene, counted};
+use l4d_splat::source::{ReaderOptions, Source};
 use l4d_view::{MOST_METHODS, Request, Written};
 
 use crate::cli::splats::ShownArgs;
@@ -36,9 +36,7 @@ pub(crate) fn page_of(args: &ShownArgs, asks: Option<String>, out: &Printer) -> 
     let splats = args.splats.clone().unwrap_or_else(|| space.work(&name).splats());
     let methods = methods(args)?;
     let rig = space.rig(&name)?;
-    let source = Source::open(&splats, args.reader.options())?;
-    let source = source.on(&splats, rig.timeline(), &rig.clip(args.profile))?;
-    source.notes.iter().for_each(|note| out.note(format!("{}: {note}", splats.display())));
+    let source = open_splats(&splats, args.reader.options(), (&rig, args.profile), out)?;
 
     let bench = BenchDir::new(&args.bench);
     let tracks = if_there(&bench.tracks(&name), Tracks::read)?;
@@ -63,6 +61,18 @@ pub(crate) fn page_of(args: &ShownArgs, asks: Option<String>, out: &Printer) -> 
         asks,
     };
     Ok(l4d_view::page(&request, out)?)
+}
+
+/// A model as it lies in the clip of a scene; what was ignored or assumed is said.
+pub(crate) fn open_splats(
+    path: &Path,
+    reader: ReaderOptions,
+    (rig, profile): (&Rig, Profile),
+    out: &Printer,
+) -> Result<Source> {
+    let source = Source::open(path, reader)?.on(path, rig.timeline(), &rig.clip(profile))?;
+    source.notes.iter().for_each(|note| out.note(format!("{}: {note}", path.display())));
+    Ok(source)
 }
 
 /// The folders of the methods that are named.

@@ -1,7 +1,7 @@
 //! Voting without this program: a page that an annotator opens in a browser, and the ballot that it saves.
 //!
 //! [`page`] packs what the terminal would show of a round to one annotator: prompts, pictures, and numbers drawn by lot.
-//! Names of objects stay out. [`import`] turns the acts that the page saved into the log that the terminal would have
+//! Names of objects stay out. [`SavedBallot`] turns the acts that the page saved into the log that the terminal would have
 //! written of them.
 
 mod import;
@@ -17,7 +17,7 @@ use serde::Serialize;
 use crate::decoder::Decoder;
 use crate::scene::{SceneInfo, Scenes};
 
-pub use import::{Imported, annotator_of, import, round_of};
+pub use import::{Imported, SavedBallot};
 
 /// No page is larger, bytes: browsers hold all of it in memory.
 pub const LARGEST_PAGE: usize = 300_000_000;
@@ -114,13 +114,29 @@ pub fn page(
         scenes: shown,
     };
     let title = format!("{} - {annotator}", round.name);
-    let page = html::Page { template: TEMPLATE, title: &title, style: STYLE, scripts: &[SCRIPT] };
+    let page = html::Page { template: TEMPLATE, title: &title, style: STYLE, scripts: &SCRIPTS };
     Ok(page.bytes(&document, &blocks)?)
 }
 
 const TEMPLATE: &str = include_str!("../page/index.html");
 const STYLE: &str = include_str!("../page/style.css");
-const SCRIPT: &str = include_str!("../page/vote.js");
+/// In the order in which they build on each other.
+const SCRIPTS: [&str; 14] = [
+    include_str!("../page/pack.js"),
+    include_str!("../page/digests.js"),
+    include_str!("../page/ballot.js"),
+    include_str!("../page/pictures.js"),
+    include_str!("../page/model.js"),
+    include_str!("../page/answers.js"),
+    include_str!("../page/keeping.js"),
+    include_str!("../page/looking.js"),
+    include_str!("../page/drawing.js"),
+    include_str!("../page/page.js"),
+    include_str!("../page/dialogs.js"),
+    include_str!("../page/acting.js"),
+    include_str!("../page/theme.js"),
+    include_str!("../page/begin.js"),
+];
 
 /// SHA-256 over `round.toml` and `items.jsonl`: what a ballot is bound to.
 fn digest_of(round: &Round) -> Result<String, DataError> {

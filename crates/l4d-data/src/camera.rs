@@ -173,8 +173,13 @@ pub(crate) fn rendered_problem(cameras: &[Camera]) -> Option<(String, String)> {
 
 /// The pose of a camera at `eye` that looks at `target`, world +Z up in the picture.
 pub fn looking_at(eye: DVec3, target: DVec3) -> DMat4 {
-    let forward = (target - eye).normalize();
-    let right = forward.cross(DVec3::Z).normalize();
+    looking_at_with_up(eye, target, DVec3::Z)
+}
+
+/// The same with another direction up in the picture.
+pub fn looking_at_with_up(eye: DVec3, target: DVec3, up: DVec3) -> DMat4 {
+    let forward = (target - eye).normalize_or(DVec3::X);
+    let right = forward.cross(up).normalize_or(up.any_orthonormal_vector());
     DMat4::from_mat3_translation(DMat3::from_cols(right, forward.cross(right), forward), eye)
 }
 

@@ -6,6 +6,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use crate::stage::StageError;
+
 /// Frames of a synthetic clip, numbered 0 to 96.
 pub const FRAME_COUNT: u32 = 97;
 /// Last canonical frame.
@@ -83,6 +85,24 @@ pub struct Timeline {
 }
 
 impl Timeline {
+    /// The frames that are asked for, else those of the clip; ascending, each once.
+    ///
+    /// # Errors
+    /// A frame beyond the clip.
+    pub fn chosen(self, frames: &[u32], clip: &[u32]) -> Result<Vec<u32>, StageError> {
+        let whole = self.whole();
+        if let Some(frame) = frames.iter().find(|frame| !whole.contains(**frame)) {
+            return Err(StageError::new(
+                format!("frame {frame} is beyond the clip"),
+                format!("frames are {} to {}", whole.first(), whole.last()),
+            ));
+        }
+        let mut frames = if frames.is_empty() { clip } else { frames }.to_vec();
+        frames.sort_unstable();
+        frames.dedup();
+        Ok(frames)
+    }
+
     /// That of all rendered scenes.
     pub const CANONICAL: Self = Self { whole: Interval::WHOLE, frames_per_second: FPS };
 

@@ -91,19 +91,11 @@ impl Splats {
         background: Option<[f32; 3]>,
         depth: &str,
     ) -> Result<Picture> {
-        let instant = match (frame, time) {
-            (Some(frame), None) => self.instant(frame)?,
-            (None, Some(time)) if camera.camera.world_from_camera.len() == 1 => (0, time),
-            (None, Some(_)) => {
-                let message = "is given, but the camera moves and is known at canonical frames alone";
-                return Err(Failure::argument("time", message, "give a frame instead"));
-            }
-            _ => {
-                let message = "frame and time: exactly one is needed";
-                let hint = "give a canonical frame, or a time from 0 to 1";
-                return Err(Failure::argument("frame", message, hint));
-            }
-        };
+        let instant = self.one_of(frame, time)?;
+        if time.is_some() && camera.camera.world_from_camera.len() > 1 {
+            let message = "is given, but the camera moves and is known at canonical frames alone";
+            return Err(Failure::argument("time", message, "give a frame instead"));
+        }
         let depth = Depth::parse(depth)?;
         let size = size.unwrap_or(camera.size);
         let values = py.detach(|| self.draw(camera, &[instant], size, background, depth))?;
@@ -122,15 +114,7 @@ impl Splats {
         frame: Option<u32>,
         time: Option<f32>,
     ) -> Result<Bound<'py, PyDict>> {
-        let time = match (frame, time) {
-            (Some(frame), None) => self.instant(frame)?.1,
-            (None, Some(time)) => time,
-            _ => {
-                let message = "frame and time: exactly one is needed";
-                let hint = "give a canonical frame, or a time from 0 to 1";
-                return Err(Failure::argument("frame", message, hint));
-            }
-        };
+        let (_, time) = self.one_of(frame, time)?;
         let state = py.detach(|| self.source.model.at(time)).map_err(|error| Failure::of_chain(&error))?;
         let count = state.len();
         let harmonics = state.sh_degree().coefficients();
@@ -168,6 +152,19 @@ impl Splats {
 }
 
 impl Splats {
+    /// The frame of a camera and the time of the model, of either.
+    fn one_of(&self, frame: Option<u32>, time: Option<f32>) -> Result<(u32, f32)> {
+        match (frame, time) {
+            (Some(frame), None) => self.instant(frame),
+            (None, Some(time)) => Ok((0, time)),
+            _ => {
+                let message = "frame and time: exactly one is needed";
+                let hint = "give a canonical frame, or a time from 0 to 1";
+                Err(Failure::argument("frame", message, hint))
+            }
+        }
+    }
+
     fn instant(&self, frame: u32) -> Result<(u32, f32)> {
         if self.source.moments == Some(Moments::Unknown) {
             let message = "is given, but nothing says at which times this model saw frames";

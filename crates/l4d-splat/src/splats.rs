@@ -51,6 +51,15 @@ impl From<BadValue> for SplatError {
     }
 }
 
+/// A quaternion and its negative are the same rotation: the one is taken that is nearer to another, so that what is between
+/// them can be interpolated.
+pub fn turn_towards(rotation: &mut [f32], other: &[f32]) {
+    let dot: f32 = rotation.iter().zip(other).map(|(a, b)| a * b).sum();
+    if dot < 0.0 {
+        rotation.iter_mut().for_each(|part| *part = 0.0 - *part);
+    }
+}
+
 impl Splats {
     /// Splats of these values, unless one of them cannot be drawn. The first offender is named, field by field.
     ///

@@ -5,7 +5,7 @@
 //! column; then, moment by moment, what moves. The page interpolates between moments.
 
 use l4d_data::{StageError, Timeline};
-use l4d_splat::splats::Splats;
+use l4d_splat::splats::{Splats, turn_towards};
 use l4d_splat::{Model, ShDegree};
 use serde::Serialize;
 
@@ -17,6 +17,8 @@ pub const MOST_BYTES: usize = 24_000_000;
 const FEWEST_TIMES: usize = 5;
 /// Numbers of a Gaussian without its colour: centre, logarithms of scales, quaternion, opacity.
 const FIXED: usize = 11;
+/// Which of them are the quaternion.
+const ROTATION: std::ops::Range<usize> = 6..10;
 /// A Gaussian that is thinner than this is drawn like one of this size, units of the world.
 const THINNEST: f32 = 1e-6;
 
@@ -55,7 +57,10 @@ pub(crate) fn sampled(model: &Model, timeline: Timeline) -> Result<(Layout, Vec<
     for state in &states {
         let mut table: Vec<Vec<f32>> = moving.iter().map(|&row| numbers(state, row, degree)).collect();
         if let Some(before) = tables.get(1..).and_then(<[_]>::last) {
-            table.iter_mut().zip(before).for_each(|(row, before)| turn_towards(row, before));
+            table
+                .iter_mut()
+                .zip(before)
+                .for_each(|(row, before)| turn_towards(&mut row[ROTATION], &before[ROTATION]));
         }
         tables.push(table);
     }
@@ -99,15 +104,6 @@ fn numbers(state: &Splats, row: usize, degree: ShDegree) -> Vec<f32> {
     let harmonics = state.sh_of(row).iter().take(degree.coefficients()).flatten();
     let fixed = centre.iter().chain(&scales).chain(rotation).chain([&state.opacities()[row]]);
     fixed.chain(harmonics).copied().collect()
-}
-
-/// A quaternion and its negative are the same rotation: the one is taken that is nearer to the moment before.
-fn turn_towards(row: &mut [f32], before: &[f32]) {
-    let place = 6..10;
-    let dot: f32 = place.clone().map(|column| row[column] * before[column]).sum();
-    if dot < 0.0 {
-        row[place].iter_mut().for_each(|part| *part = -*part);
-    }
 }
 
 fn ranges(tables: &[Vec<Vec<f32>>], columns: usize) -> Vec<[f32; 2]> {

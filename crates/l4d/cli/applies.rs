@@ -132,4 +132,4 @@ fn fits(value: &str, pattern: &str) -> bool {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -130,6 +130,7 @@ mod tests {
 
     use super::*;
     use crate::cli::Cli;
+    use crate::cli::applies::tests::{Verb, verbs};
 
     const REFERENCE: &str = "docs/cli.md";
 
@@ -201,7 +202,8 @@ mod tests {
 
     #[test]
     fn one_word_means_one_thing() {
-        fn visit(name: &str, command: &Command, wrong: &mut Vec<String>) {
+        let mut wrong = Vec::new();
+        for Verb { name, command } in verbs() {
             for argument in command.get_arguments() {
                 let id = argument.get_id().as_str();
                 let help = argument.get_help().map(ToString::to_string).unwrap_or_default().to_lowercase();
@@ -214,27 +216,14 @@ mod tests {
                     wrong.push(format!("{name} --{id}: \"{help}\" says none of {said}"));
                 }
             }
-            command
-                .get_subcommands()
-                .for_each(|verb| visit(&format!("{name} {}", verb.get_name()), verb, wrong));
         }
-        let mut wrong = Vec::new();
-        visit("l4d", &Cli::command(), &mut wrong);
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     }
 
     #[test]
     fn each_verb_has_examples_that_it_takes() {
         let (mut lacking, mut wrong) = (Vec::new(), Vec::new());
-        fn names(before: &str, command: &Command, found: &mut Vec<String>) {
-            for verb in command.get_subcommands() {
-                let name = format!("{before} {}", verb.get_name()).trim().to_owned();
-                if verb.has_subcommands() { names(&name, verb, found) } else { found.push(name) }
-            }
-        }
-        let mut all = Vec::new();
-        names("", &Cli::command(), &mut all);
-        for name in all {
+        for Verb { name, .. } in verbs() {
             let Some((_, lines)) = EXAMPLES.iter().find(|(of, _)| *of == name) else {
                 lacking.push(name);
                 continue;

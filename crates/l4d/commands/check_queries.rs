@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use l4d_data::store::{Claim, folder_of};
+use l4d_data::store::Claim;
 use l4d_data::{Benchmark, Name, Query, Report, Status, json as json_file};
 use l4d_query::check_set;
 use l4d_query::overlap::{self, Overlap, Recall};
@@ -69,8 +69,7 @@ fn write_public(bench: &Benchmark, scenes: &[Name], path: &Path) -> Result<()> {
             |query: Query| json!({ "id": query.id, "text": query.text, "categories": query.categories });
         lines.extend(queries.map(public));
     }
-    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let _claim = Claim::take(folder_of(path), vec![file], None, false)?;
+    let _claim = Claim::of_file(path, false)?;
     Ok(json_file::write_lines(path, &lines)?)
 }
 

@@ -6,7 +6,7 @@ use anyhow::Result;
 use l4d_data::layout::BenchDir;
 use l4d_data::query::{Query, read_queries};
 use l4d_data::scene::Scene;
-use l4d_data::store::{Claim, folder_of};
+use l4d_data::store::Claim;
 use l4d_data::{Benchmark, Camera, Name, Workspace};
 use l4d_frames::drawn::RgbImage;
 use l4d_frames::sheet::{Rendered, Sheet, default_frames, default_views, overview, save};
@@ -77,8 +77,7 @@ fn draw_overview(args: &SheetArgs, space: &Workspace, out: &Printer) -> Result<P
 
 /// Writes a picture, but not over one of somebody else.
 fn save_ours(page: &RgbImage, path: &Path, force: bool) -> Result<()> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let _claim = Claim::take(folder_of(path), vec![name], None, force)?;
+    let _claim = Claim::of_file(path, force)?;
     Ok(save(page, path)?)
 }
 

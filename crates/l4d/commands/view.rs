@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use l4d_data::Name;
-use l4d_data::store::{Claim, folder_of, write_atomic};
+use l4d_data::store::{Claim, write_atomic};
 
 use crate::cli::splats::ViewArgs;
 use crate::out::{ExitStatus, Printer};
@@ -15,8 +15,7 @@ pub(crate) fn run(args: &ViewArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.shown.scene)?;
     let space = args.shown.work.space(args.shown.profile);
     let path = args.out.clone().unwrap_or_else(|| space.work(&name).splats().with_file_name("view.html"));
-    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let _claim = Claim::take(folder_of(&path), vec![file], None, args.force)?;
+    let _claim = Claim::of_file(&path, args.force)?;
     let page = page_of(&args.shown, None, out)?;
     write_atomic(&path, &page.html)?;
     out.note(format!("{} in {:.1} s; open it in a browser", summary(&page), start.elapsed().as_secs_f64()));

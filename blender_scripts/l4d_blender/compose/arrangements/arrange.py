@@ -1,6 +1,6 @@
 """One arrangement from its seed: a place is drawn and furnished, filled, and seen by cameras near and far.
 
-What stands in it is laid out anew several times, since building it takes longer than drawing it. Writes
+What is in it is laid out anew several times, since building it takes longer than drawing it. Writes
 nothing and renders nothing.
 """
 

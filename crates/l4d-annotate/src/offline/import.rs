@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use l4d_data::digest::sha256_hex;
@@ -77,59 +77,66 @@ enum Numbers {
     Ambiguous { reason: String },
 }
 
-/// The round that a saved ballot belongs to.
-///
-/// # Errors
-/// The file cannot be read, or is no ballot.
-pub fn round_of(path: &Path) -> Result<Name, DataError> {
-    Ok(head(path)?.round)
+/// A sealed ballot as the page saved it, whole.
+#[derive(Debug)]
+pub struct SavedBallot {
+    path: PathBuf,
+    head: Head,
+    /// The acts, and last the seal.
+    lines: Vec<Line>,
 }
 
-/// Who voted in a saved ballot.
-///
-/// # Errors
-/// The file cannot be read, or is no ballot.
-pub fn annotator_of(path: &Path) -> Result<Name, DataError> {
-    Ok(head(path)?.annotator)
-}
-
-/// Writes the log of a sealed ballot, as the terminal would have written it: all of it, or nothing. A log that holds
-/// the beginning of the same acts is completed.
-///
-/// # Errors
-/// The file is no ballot of this round, was edited, or is not sealed; an act that the round refuses; a log with other
-/// votes; and what cannot be written.
-pub fn import(path: &Path, round: &Round, scenes: &Scenes) -> Result<Imported, DataError> {
-    let (head, lines) = read(path)?;
-    require_round(path, &head, round)?;
-    let folder = scratch_folder(round, &head.annotator)?;
-    let log = replayed(path, &head, &lines, round, scenes, &folder);
-    fs::remove_dir_all(folder.root()).ok();
-    let log = log?;
-    let acts = lines.len() - 1;
-
-    // Holds the lock of the log meanwhile, so that no terminal votes beside.
-    let (ballot, _) = Ballot::open(round.dir(), round, &head.annotator)?;
-    let there = read_bounded(ballot.path(), MAX_BYTES)?;
-    if there == log {
-        return Ok(Imported { acts, was_there: true });
+impl SavedBallot {
+    /// Reads a ballot, of which each line names the digest of the one before.
+    ///
+    /// # Errors
+    /// The file cannot be read, is no ballot, was edited, or is not sealed.
+    pub fn read(path: &Path) -> Result<Self, DataError> {
+        let (head, lines) = read(path)?;
+        Ok(Self { path: path.to_owned(), head, lines })
     }
-    if !log.starts_with(&there) {
-        return Err(DataError::invalid(
-            ballot.path(),
-            "file",
-            format!("{} has other votes in this round already", head.annotator),
-            "decide with the annotator which of the two counts, and move the log away if it is the new one",
-        ));
-    }
-    write_atomic(ballot.path(), &log)?;
-    Ok(Imported { acts, was_there: false })
-}
 
-fn head(path: &Path) -> Result<Head, DataError> {
-    let bytes = read_bounded(path, MAX_BYTES)?;
-    let first = bytes.split(|&byte| byte == b'\n').next().unwrap_or(&[]);
-    parse_head(path, first)
+    /// The round that it belongs to.
+    pub fn round(&self) -> &Name {
+        &self.head.round
+    }
+
+    /// Who voted.
+    pub fn annotator(&self) -> &Name {
+        &self.head.annotator
+    }
+
+    /// Writes the log, as the terminal would have written it: all of it, or nothing. A log that holds the beginning of the
+    /// same acts is completed.
+    ///
+    /// # Errors
+    /// A ballot of another round, an act that the round refuses, a log with other votes, and what cannot be written.
+    pub fn import(&self, round: &Round, scenes: &Scenes) -> Result<Imported, DataError> {
+        let Self { path, head, lines } = self;
+        require_round(path, head, round)?;
+        let folder = scratch_folder(round, &head.annotator)?;
+        let log = replayed(path, head, lines, round, scenes, &folder);
+        fs::remove_dir_all(folder.root()).ok();
+        let log = log?;
+        let acts = lines.len() - 1;
+
+        // Holds the lock of the log meanwhile, so that no terminal votes beside.
+        let (ballot, _) = Ballot::open(round.dir(), round, &head.annotator)?;
+        let there = read_bounded(ballot.path(), MAX_BYTES)?;
+        if there == log {
+            return Ok(Imported { acts, was_there: true });
+        }
+        if !log.starts_with(&there) {
+            return Err(DataError::invalid(
+                ballot.path(),
+                "file",
+                format!("{} has other votes in this round already", head.annotator),
+                "decide with the annotator which of the two counts, and move the log away if it is the new one",
+            ));
+        }
+        write_atomic(ballot.path(), &log)?;
+        Ok(Imported { acts, was_there: false })
+    }
 }
 
 fn parse_head(path: &Path, line: &[u8]) -> Result<Head, DataError> {

@@ -8,7 +8,7 @@ use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use super::{FolderLock, open_bounded, read_bounded, write_atomic};
+use super::{FolderLock, folder_of, open_bounded, read_bounded, write_atomic};
 use crate::digest::sha256_file;
 use crate::error::DataError;
 use crate::sums::MAX_BYTES;
@@ -63,6 +63,15 @@ impl Claim {
         }
         list.write(folder)?;
         Ok(Self { folder: folder.to_owned(), names, _lock: lock })
+    }
+
+    /// The right to write one file.
+    ///
+    /// # Errors
+    /// As [`Claim::take`].
+    pub fn of_file(path: &Path, force: bool) -> Result<Self, DataError> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Self::take(folder_of(path), vec![name], None, force)
     }
 
     /// Whether l4d has written a file of this name, whatever became of it.

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DMat3, DMat4, DQuat, DVec3};
+use l4d_data::camera::{looking_at_with_up, rows};
 use l4d_data::{Camera, Name, StageError, Timeline};
 
 /// A gap between neighbouring cameras that is wider than this is not flown through: nothing was seen from there.
@@ -40,8 +41,7 @@ impl Flight {
             }
         };
         let name = Name::new(name).map_err(|error| StageError::of(&error, "report this"))?;
-        let rows = |pose: &DMat4| pose.transpose().to_cols_array();
-        Ok(Camera { name, world_from_camera: poses.iter().map(rows).collect(), ..first.clone() })
+        Ok(Camera { name, world_from_camera: poses.into_iter().map(rows).collect(), ..first.clone() })
     }
 }
 
@@ -97,7 +97,7 @@ impl Orbit {
         let angle = self.from_rad + self.arc_rad * along;
         let outwards = self.across[0] * angle.cos() + self.across[1] * angle.sin();
         let place = self.centre + outwards * self.radius + self.up * self.height;
-        looking(place, self.centre, self.up)
+        looking_at_with_up(place, self.centre, self.up)
     }
 }
 
@@ -117,14 +117,6 @@ fn looked_at(poses: &[DMat4]) -> DVec3 {
     }
     let ahead = |pose: &DMat4| (pose.w_axis + pose.z_axis).truncate();
     poses.iter().map(ahead).sum::<DVec3>() / poses.len() as f64
-}
-
-/// A pose in OpenCV axes that looks at a point.
-fn looking(from: DVec3, to: DVec3, up: DVec3) -> DMat4 {
-    let forward = (to - from).normalize_or(DVec3::X);
-    let right = forward.cross(up).normalize_or(up.any_orthonormal_vector());
-    let down = forward.cross(right);
-    DMat4::from_cols(right.extend(0.0), down.extend(0.0), forward.extend(0.0), from.extend(1.0))
 }
 
 fn stops(names: &[String], cameras: &[Camera]) -> Result<Vec<(DVec3, DQuat)>, StageError> {
@@ -164,12 +156,14 @@ fn between(stops: &[(DVec3, DQuat)], share: f64) -> DMat4 {
 
 #[cfg(test)]
 mod tests {
+    use l4d_data::camera::looking_at;
+
     use super::*;
 
     fn ring(angles_deg: &[f64]) -> Vec<Camera> {
         let camera = |(index, angle): (usize, &f64)| {
             let (sin, cos) = angle.to_radians().sin_cos();
-            let pose = looking(DVec3::new(3.0 * cos, 3.0 * sin, 2.0), DVec3::new(0.0, 0.0, 0.5), DVec3::Z);
+            let pose = looking_at(DVec3::new(3.0 * cos, 3.0 * sin, 2.0), DVec3::new(0.0, 0.0, 0.5));
             Camera::new(Name::new(format!("cam{index:02}")).unwrap(), [64, 48], 50.0, pose)
         };
         angles_deg.iter().enumerate().map(camera).collect()

@@ -130,18 +130,9 @@ fn chosen(cameras: Vec<Camera>, views: &[String]) -> Result<Vec<Camera>, StageEr
 
 /// Moments at these frames, else at those of the clip, ascending.
 fn instants(frames: &[u32], clip: &[u32], timeline: Timeline) -> Result<Vec<Instant>, StageError> {
-    let whole = timeline.whole();
-    if let Some(frame) = frames.iter().find(|frame| !whole.contains(**frame)) {
-        return Err(StageError::new(
-            format!("frame {frame} is beyond the clip"),
-            format!("frames are {} to {}", whole.first(), whole.last()),
-        ));
-    }
-    let mut frames = if frames.is_empty() { clip.to_vec() } else { frames.to_vec() };
+    let frames = timeline.chosen(frames, clip)?;
     if frames.is_empty() {
         return Err(StageError::new("nothing says when", "name a scene, --frames or --times"));
     }
-    frames.sort_unstable();
-    frames.dedup();
     Ok(frames.into_iter().map(|frame| Instant::at_frame(frame, timeline)).collect())
 }

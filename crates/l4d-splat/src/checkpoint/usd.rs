@@ -9,7 +9,7 @@ use std::path::Path;
 use l4d_data::store::write_atomic;
 use l4d_data::{DataError, Timeline};
 
-use crate::splats::Splats;
+use crate::splats::{Splats, turn_towards};
 
 /// A Gaussian reaches so many standard deviations.
 const REACH: f32 = 3.0;
@@ -83,19 +83,13 @@ fn tuples<const N: usize>(rows: &[[f32; N]]) -> String {
     text
 }
 
-/// Rotations of all states. A quaternion and its negative are the same rotation: the one is taken that is nearer to the
-/// state before, since readers interpolate.
+/// Rotations of all states, each turned towards the state before, since readers interpolate.
 fn turned(states: &[(u32, Splats)]) -> Vec<(u32, Vec<[f32; 4]>)> {
     let mut turned: Vec<(u32, Vec<[f32; 4]>)> = Vec::with_capacity(states.len());
     for (frame, state) in states {
         let mut rotations = state.rotations().to_vec();
         if let Some((_, before)) = turned.last() {
-            for (rotation, before) in rotations.iter_mut().zip(before) {
-                let dot: f32 = rotation.iter().zip(before).map(|(a, b)| a * b).sum();
-                if dot < 0.0 {
-                    rotation.iter_mut().for_each(|part| *part = 0.0 - *part);
-                }
-            }
+            rotations.iter_mut().zip(before).for_each(|(rotation, before)| turn_towards(rotation, before));
         }
         turned.push((*frame, rotations));
     }

@@ -106,12 +106,13 @@ const CHOICES: &[(&str, &str)] = &[
 const SAMPLES: [&str; 12] =
     ["x", "3", "0.5", "512", "256x192", "2/8", "x=1", "2026-01-31", "3-4", "black", "depth", "colour"];
 
-struct Verb {
-    name: String,
-    command: Command,
+/// A verb that has none below it, by all of its words.
+pub(in crate::cli) struct Verb {
+    pub(in crate::cli) name: String,
+    pub(in crate::cli) command: Command,
 }
 
-fn verbs() -> Vec<Verb> {
+pub(in crate::cli) fn verbs() -> Vec<Verb> {
     fn gather(before: &str, command: &Command, found: &mut Vec<Verb>) {
         for verb in command.get_subcommands() {
             let name = format!("{before} {}", verb.get_name()).trim().to_owned();

@@ -4,14 +4,15 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use l4d_data::store::Claim;
-use l4d_data::{Name, Progress as _, Rig, StageError, json};
+use l4d_data::{Name, Progress as _, StageError, json};
 use l4d_splat::checkpoint::{ply, usd};
-use l4d_splat::source::Source;
+use l4d_splat::source::ReaderOptions;
 use l4d_splat::splats::Splats;
 use serde::Serialize;
 
 use crate::cli::interop::{ExportArgs, SplatFormat};
-use crate::out::{ExitStatus, Printer, refusal};
+use crate::out::{ExitStatus, Printer};
+use crate::shown::open_splats;
 
 const MANIFEST: &str = "l4d-export.json";
 const TRAIN_AGAIN: &str = "give another model, or train this one again";
@@ -33,10 +34,8 @@ pub(super) fn run(args: &ExportArgs, name: &Name, format: SplatFormat, out: &Pri
     let rig = space.rig(name)?;
     let timeline = rig.timeline();
     let splats = args.splats.clone().unwrap_or_else(|| space.work(name).splats());
-    let source = Source::open(&splats, Default::default())?;
-    let source = source.on(&splats, timeline, &rig.clip(args.profile))?;
-    source.notes.iter().for_each(|note| out.note(format!("{}: {note}", splats.display())));
-    let frames = frames(args, &rig)?;
+    let source = open_splats(&splats, ReaderOptions::default(), (&rig, args.profile), out)?;
+    let frames = timeline.chosen(&args.frames, &rig.clip(args.profile))?;
 
     let file = |frame: u32| match format {
         SplatFormat::Ply => PathBuf::from(format!("splats_{frame:05}.ply")),
@@ -81,17 +80,4 @@ pub(super) fn run(args: &ExportArgs, name: &Name, format: SplatFormat, out: &Pri
         false => out.data(path.display())?,
     }
     Ok(ExitStatus::Success)
-}
-
-/// The frames that are asked for, ascending; else those of the profile or of the capture.
-fn frames(args: &ExportArgs, rig: &Rig) -> Result<Vec<u32>> {
-    let whole = rig.timeline().whole();
-    if let Some(frame) = args.frames.iter().find(|frame| !whole.contains(**frame)) {
-        let hint = format!("frames are {} to {}", whole.first(), whole.last());
-        return Err(refusal(format!("frame {frame} is beyond the clip"), hint));
-    }
-    let mut frames = if args.frames.is_empty() { rig.clip(args.profile) } else { args.frames.clone() };
-    frames.sort_unstable();
-    frames.dedup();
-    Ok(frames)
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use l4d_annotate::{offline, scene};
-use l4d_data::store::{Claim, folder_of, write_atomic};
+use l4d_data::store::{Claim, write_atomic};
 use l4d_data::{Name, Workspace, counted};
 use l4d_votes::{Round, RoundDir};
 
@@ -23,8 +23,7 @@ pub(super) fn run(
     let space = Workspace::new(round.profile).with_data(args.data.as_deref());
     let scenes = scene::load(space.data(), &round, &annotator)?;
     let path = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}-{annotator}.html", round.name)));
-    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let _claim = Claim::take(folder_of(&path), vec![file], None, args.force)?;
+    let _claim = Claim::of_file(&path, args.force)?;
     let page = offline::page(&round, &annotator, &scenes, space.data(), out)?;
     write_atomic(&path, &page)?;
     let megabytes = page.len() as f64 / 1e6;
