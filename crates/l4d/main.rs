@@ -7,6 +7,7 @@ mod models;
 mod out;
 mod published_votes;
 mod rasterizer;
+mod readmes;
 mod shipped;
 mod shown;
 mod solver;

@@ -245,7 +245,12 @@ impl Progress for Printer {
 
     fn advance(&self, steps: u64) {
         let bar = self.bar();
+        let is_resumed = bar.position() == 0 && steps > 1;
         bar.inc(steps);
+        if is_resumed {
+            // What an earlier run did says nothing of how fast this one is.
+            bar.reset_eta();
+        }
         if !self.quiet && !io::stderr().is_terminal() {
             self.log(&bar);
         }

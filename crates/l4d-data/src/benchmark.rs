@@ -167,6 +167,11 @@ impl Benchmark {
             QuerySet::Queries => self.queries(scene),
             QuerySet::Composites => self.composites(scene),
             QuerySet::Absents => self.absents(scene),
+            QuerySet::WithAbsents => {
+                let mut all = self.queries(scene)?;
+                all.extend(self.absents(scene)?);
+                Ok(all)
+            }
         }
     }
 

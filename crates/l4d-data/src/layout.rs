@@ -214,10 +214,10 @@ impl BenchDir {
         self.0.join("queries").join(format!("{scene}.absent.jsonl"))
     }
 
-    /// The file of a set of queries.
+    /// The file of a set of queries; the first of two.
     pub fn asked(&self, set: QuerySet, scene: &str) -> PathBuf {
         match set {
-            QuerySet::Queries => self.queries(scene),
+            QuerySet::Queries | QuerySet::WithAbsents => self.queries(scene),
             QuerySet::Composites => self.composites(scene),
             QuerySet::Absents => self.absents(scene),
         }

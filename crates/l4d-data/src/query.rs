@@ -49,15 +49,17 @@ impl Category {
 
 /// Which sentences are asked.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum QuerySet {
     /// The queries that count: the only headline.
     #[default]
     Queries,
     /// Queries of two categories, for a table of their own.
     Composites,
-    /// Sentences that nothing satisfies: they have no truth to hit, so that they are answered and never judged.
+    /// Sentences that nothing satisfies: they have no truth to hit, so that they are judged only beside queries that have.
     Absents,
+    /// The queries that count and the sentences that nothing satisfies: whoever is asked both must tell them apart.
+    WithAbsents,
 }
 
 impl QuerySet {
@@ -67,6 +69,7 @@ impl QuerySet {
             Self::Queries => "queries",
             Self::Composites => "composites",
             Self::Absents => "absents",
+            Self::WithAbsents => "with-absents",
         }
     }
 }

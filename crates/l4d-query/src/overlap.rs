@@ -138,13 +138,13 @@ impl Overlap {
 
 /// Compares two sets.
 pub fn measure(against: String, these: &[SceneSet], those: &[SceneSet]) -> Overlap {
-    let all = |set| -> Vec<&Query> { those.iter().flat_map(|scene| files(scene, set)).collect() };
+    let all = |(_, files): (QuerySet, Files)| those.iter().flat_map(files);
     let others: Vec<&Query> = SETS.into_iter().flat_map(all).collect();
     let sentences: BTreeSet<String> = others.iter().map(|query| normal(&query.text)).collect();
     let predicates: BTreeSet<String> = others.iter().filter_map(|query| text_form(query)).collect();
-    let shared = SETS.map(|set| {
+    let shared = SETS.map(|(set, files)| {
         let mut shared = Shared::default();
-        for query in these.iter().flat_map(|scene| files(scene, set)) {
+        for query in these.iter().flat_map(files) {
             shared.queries += 1;
             shared.sentences += usize::from(sentences.contains(&normal(&query.text)));
             shared.predicates += usize::from(text_form(query).is_some_and(|form| predicates.contains(&form)));
@@ -154,15 +154,13 @@ pub fn measure(against: String, these: &[SceneSet], those: &[SceneSet]) -> Overl
     Overlap { against, shared: shared.into(), memory: memory(these, those), places: places(these, those) }
 }
 
-const SETS: [QuerySet; 3] = [QuerySet::Queries, QuerySet::Composites, QuerySet::Absents];
+type Files = fn(&SceneSet) -> &Vec<Query>;
 
-fn files(scene: &SceneSet, set: QuerySet) -> &[Query] {
-    match set {
-        QuerySet::Queries => &scene.queries,
-        QuerySet::Composites => &scene.composites,
-        QuerySet::Absents => &scene.absents,
-    }
-}
+const SETS: [(QuerySet, Files); 3] = [
+    (QuerySet::Queries, |scene| &scene.queries),
+    (QuerySet::Composites, |scene| &scene.composites),
+    (QuerySet::Absents, |scene| &scene.absents),
+];
 
 fn normal(text: &str) -> String {
     words(text).join(" ")

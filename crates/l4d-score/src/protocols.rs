@@ -18,9 +18,11 @@ mod mevis;
 mod r4d;
 mod record;
 mod run;
+mod saco;
 mod sheet;
 mod votsr;
 
+use l4d_data::QuerySet;
 use serde::{Deserialize, Serialize};
 
 use clip::{Clip, Judged};
@@ -65,6 +67,8 @@ pub enum Protocol {
     R4d,
     /// VOTS 2026, the referral challenge, `vot/analysis/referral.py`.
     Votsr,
+    /// SA-Co of SAM 3, `sam3/eval/demo_eval.py`.
+    Saco,
 }
 
 /// A number that a source reports.
@@ -94,6 +98,8 @@ enum Averaging {
     QueriesThenScenes,
     /// Every sentence weighs the same, wherever it was asked.
     Queries,
+    /// Ratios of counts over all sentences: [`saco::number`].
+    Counts,
 }
 
 /// Everything that tells one protocol from another.
@@ -116,7 +122,7 @@ pub struct Rules {
 
 impl Protocol {
     /// All of them, in the order of the documentation.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::LangSplat,
         Self::FourDLangSplat,
         Self::Davis,
@@ -124,6 +130,7 @@ impl Protocol {
         Self::GaussianGrouping,
         Self::R4d,
         Self::Votsr,
+        Self::Saco,
     ];
 
     /// What tells it from the others.
@@ -136,7 +143,15 @@ impl Protocol {
             Self::GaussianGrouping => &gaussian_grouping::RULES,
             Self::R4d => &r4d::RULES,
             Self::Votsr => &votsr::RULES,
+            Self::Saco => &saco::RULES,
         }
+    }
+
+    /// The sentences that are judged where the queries are asked for: those of SA-Co have to be told from sentences that
+    /// nothing satisfies.
+    pub fn set(self, wanted: QuerySet) -> QuerySet {
+        let needs_absents = self == Self::Saco && wanted == QuerySet::Queries;
+        if needs_absents { QuerySet::WithAbsents } else { wanted }
     }
 
     /// Name in options, files and tables.

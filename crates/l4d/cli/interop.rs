@@ -17,8 +17,8 @@ use crate::shipped;
 #[derive(Debug, Args)]
 pub(crate) struct ImportArgs {
     /// What the files are: a preset (langsplat, langsplat-per-frame, langsplat-masks, langsplat-per-frame-masks,
-    /// 4d-langsplat, 4d-langsplat-masks, gaussian-grouping, opengaussian, refersplat, mevis, mevis-rle, davis, generic), or a
-    /// preset of your own (.toml)
+    /// 4d-langsplat, 4d-langsplat-masks, gaussian-grouping, opengaussian, refersplat, mevis, mevis-rle, davis, r4d,
+    /// votsr, generic), or a preset of your own (.toml)
     pub(crate) format: String,
     /// Folder that the preset's template starts from
     pub(crate) source: PathBuf,
@@ -70,7 +70,7 @@ pub(crate) struct ImportFilesArgs {
     #[arg(long, value_name = "TEXT")]
     pub(crate) ignore: Vec<String>,
     /// What a file holds
-    #[arg(long, value_parser = one_of::<Codec>(["picture", "array", "latents", "coco-rle"]))]
+    #[arg(long, value_parser = one_of::<Codec>(["picture", "array", "latents", "coco-rle", "r4d", "vot"]))]
     pub(crate) codec: Option<Codec>,
     /// What of a picture or array is inside: mask, nonzero, "above 127", "index 3", selected, "relative 0.4", "langsplat 0.4",
     /// "4d-langsplat 0.4"

@@ -119,7 +119,7 @@ pub(crate) struct SolveArgs {
     #[command(flatten)]
     pub(crate) work: WorkArgs,
     /// Which sentences: those that count, those of two categories, those that nothing satisfies
-    #[arg(long, default_value = "queries", value_parser = one_of::<QuerySet>(["queries", "composites", "absents"]))]
+    #[arg(long, default_value = "queries", value_parser = one_of::<QuerySet>(["queries", "composites", "absents", "with-absents"]))]
     pub(crate) set: QuerySet,
     /// Take away what answers should rest on: grey pictures, or the sentence of another query of the scene; never ranked
     #[arg(long, value_parser = one_of::<Control>(["blank-pictures", "shuffled-sentences"]))]

@@ -7,6 +7,7 @@ use l4d_score::{Baseline, Exam, QuerySet};
 
 use crate::cli::judging::BaselineArgs;
 use crate::out::{ExitStatus, Printer};
+use crate::readmes;
 
 pub(crate) fn run(args: &BaselineArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
@@ -20,5 +21,6 @@ pub(crate) fn run(args: &BaselineArgs, out: &Printer) -> Result<ExitStatus> {
         out.note(format!("{:>18}: {new} files written, {kept} were there", baseline.as_str()));
         out.data(folder.display())?;
     }
+    readmes::leave(&args.results, readmes::RESULTS)?;
     Ok(ExitStatus::Success)
 }

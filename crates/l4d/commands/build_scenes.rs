@@ -13,7 +13,7 @@ use l4d_data::{Benchmark, Name, Profile, Report, Workspace};
 
 use crate::cli::scenes::BuildScenesArgs;
 use crate::out::{ExitStatus, Printer, refusal};
-use crate::shipped;
+use crate::{readmes, shipped};
 
 pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
     let profile = args.bench.profile;
@@ -45,6 +45,7 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
     };
     let mut report = Report::default();
     let built = build(&env, &request, out, &mut report)?;
+    readmes::leave(space.data(), readmes::DATA)?;
     match built.rendered {
         Some(rendered) => out.note(format!("rendered {rendered} pictures")),
         None => out.note(format!("tracks are in {}", bench.root().join("scenes").display())),

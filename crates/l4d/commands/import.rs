@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 use self::recount::{Recounted, recount};
 use crate::cli::interop::{ImportArgs, ImportEncodersArgs};
 use crate::out::{ExitStatus, Printer, refusal};
+use crate::readmes;
 
 pub(crate) fn run(args: &ImportArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
@@ -32,6 +33,7 @@ pub(crate) fn run(args: &ImportArgs, out: &Printer) -> Result<ExitStatus> {
     let is_written = !imported.answers.is_empty() && (args.partial || !report.has_errors());
     let folder =
         is_written.then(|| write(&args.results, &identity, &request, &imported, args.force)).transpose()?;
+    readmes::leave(&args.results, readmes::RESULTS)?;
     let recounted = recount(&imported, &request, &identity.name)?;
     if args.json {
         return out.document(summary(&imported, &recounted, folder.as_deref()), report);

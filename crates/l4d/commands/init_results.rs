@@ -11,7 +11,7 @@ use l4d_data::{Benchmark, Name};
 
 use crate::cli::judging::InitResultsArgs;
 use crate::out::{ExitStatus, Printer};
-use crate::shipped;
+use crate::{readmes, shipped};
 
 pub(crate) fn run(args: &InitResultsArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.name)?;
@@ -45,6 +45,7 @@ pub(crate) fn run(args: &InitResultsArgs, out: &Printer) -> Result<ExitStatus> {
     } else {
         format!(" --bench {}", args.bench.display())
     };
+    readmes::leave(&args.results, readmes::RESULTS)?;
     out.note(format!("then run `l4d check-results {} --profile {profile}{bench}`", dir.root().display()));
     Ok(ExitStatus::Success)
 }

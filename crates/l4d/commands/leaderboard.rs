@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 
 use crate::cli::judging::LeaderboardArgs;
 use crate::out::{ExitStatus, Printer, refusal};
+use crate::readmes;
 
 pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
@@ -42,6 +43,7 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
         out.note("the set is private: what names its answers (board.json, taken.csv, the page) stays out, and the rest may be published");
     }
 
+    readmes::leave(&output, readmes::LEADERBOARD)?;
     out.warnings(report);
     if args.json {
         out.json(&as_json(&board))?;

@@ -14,6 +14,7 @@ use serde_json::Value;
 
 use crate::cli::judging::{ProtocolArg, ScoreArgs};
 use crate::out::{ExitStatus, Printer};
+use crate::readmes;
 
 pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
     let options = Options {
@@ -24,7 +25,11 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
     };
     let mut report = Report::default();
     let bench = Benchmark::open(&args.bench.bench)?;
-    let mut exam = Exam::open(bench, args.bench.profile, args.set, &args.bench.scenes, &mut report)?;
+    let set = match args.protocol {
+        ProtocolArg::L4d => args.set,
+        ProtocolArg::Other(protocol) => protocol.set(args.set),
+    };
+    let mut exam = Exam::open(bench, args.bench.profile, set, &args.bench.scenes, &mut report)?;
     exam.most_bytes = args.max_megabytes.saturating_mul(MEGABYTE);
     if let ProtocolArg::Other(protocol) = args.protocol {
         return protocol::run(args, protocol, &exam, &options, report, out);
@@ -34,6 +39,7 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
         out.note(format!("read {name}"));
     })?;
     report.extend(std::mem::take(&mut scored.report));
+    readmes::leave(&scores, readmes::SCORES)?;
     let status = Printer::status(&report);
     let grouped: Vec<Vec<Group>> = match args.groups {
         true => grouped(&scored.summaries, &exam, &scores, args.seed)?,

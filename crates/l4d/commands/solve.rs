@@ -7,7 +7,7 @@ use l4d_solve::batch::{Batch, Picked, pick};
 use crate::cli::solver::SolveArgs;
 use crate::models::print_estimate;
 use crate::out::{ExitStatus, Printer, refusal};
-use crate::{rasterizer, solver};
+use crate::{rasterizer, readmes, solver};
 
 pub(crate) fn run(args: &SolveArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
@@ -45,6 +45,7 @@ pub(crate) fn run(args: &SolveArgs, out: &Printer) -> Result<ExitStatus> {
         return estimate(args, &batch, &picked, out);
     }
     let ledger = batch.run(&bench, &selected, &picked, out)?;
+    readmes::leave(&args.results, readmes::RESULTS)?;
     match args.json {
         true => out.json(&ledger.document(&batch.name))?,
         false => out.data(ledger.table())?,

@@ -12,7 +12,7 @@ use l4d_splat::training_run::{Settings, TrainingRequest, train_scene};
 
 use crate::cli::splats::TrainSplatsArgs;
 use crate::out::{ExitStatus, Printer};
-use crate::{rasterizer, stopping};
+use crate::{rasterizer, readmes, stopping};
 
 pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.scene)?;
@@ -37,6 +37,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         adapter: opened.adapter,
     };
     let trained = train_scene(&request, out)?;
+    readmes::leave(&args.work.work, readmes::WORK)?;
     out.note(match trained.track {
         Track::Colour => "track: colour",
         Track::ColourDepth => "track: colour + depth (learned from rendered depth)",

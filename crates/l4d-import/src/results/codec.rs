@@ -5,9 +5,11 @@
 
 mod maps;
 mod records;
+mod trajectory;
+mod validation;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use l4d_data::{DataError, Report};
 use l4d_masks::Mask;
@@ -29,6 +31,10 @@ pub enum Codec {
     Latents,
     /// JSON of COCO run lengths, alone or by sentence and frame, as MeViS has them.
     CocoRle,
+    /// `validation.json` of HyperGaussian, with a picture a frame in `binary_masks` beside it.
+    R4d,
+    /// A trajectory of the VOT toolkit: a region a frame, as text or binary.
+    Vot,
 }
 
 /// Ids that mean a sentence: by sentence or number of the query.
@@ -109,20 +115,28 @@ impl From<DataError> for Problem {
     }
 }
 
-/// Reads the answers in a file.
+/// Reads the answers in a file. `size` is the columns and rows of the pictures, which a trajectory does not say.
 ///
 /// # Errors
 /// Everything that keeps the file from being what `reading` says.
-pub fn read(path: &Path, reading: &Reading) -> Result<Vec<Piece>, Problem> {
+pub fn read(path: &Path, reading: &Reading, size: (u32, u32)) -> Result<Vec<Piece>, Problem> {
     match reading.codec {
         Codec::Picture => maps::read_picture(path, reading),
         Codec::Array => maps::read_array(path, reading),
         Codec::CocoRle => records::read(path),
+        Codec::R4d => validation::read(path, reading),
+        Codec::Vot => trajectory::read(path, size),
         Codec::Latents => {
             let message = "holds latents, which are read together with their other levels";
             Err(Problem::unreadable("file", message, ""))
         }
     }
+}
+
+/// The files that [`read`] opens for a file that was found.
+pub(super) fn files(codec: Codec, path: &Path) -> Vec<PathBuf> {
+    let beside = if codec == Codec::R4d { validation::pictures(path) } else { Vec::new() };
+    [path.to_owned()].into_iter().chain(beside).collect()
 }
 
 fn sane(width: u64, height: u64, place: &str) -> Result<(u32, u32), Problem> {

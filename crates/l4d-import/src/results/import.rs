@@ -186,7 +186,7 @@ pub fn import(
             }
         }
         let (found, summits) = collector.finish(report);
-        imported.inputs.insert(format!("{scene}: {} files", hits.len()), card::digest(&request.root, &hits)?);
+        imported.inputs.insert(format!("{scene}: {} files", hits.len()), card::digest(request, &hits)?);
         check_cover(&request.root, pictures.size, &found, report);
         check_fit(request, &queries, &found, report)?;
         report_missing(request, &queries, &pictures, &found, report);
@@ -290,7 +290,8 @@ fn by_scene(
 
 /// Reports fields without a meaning of their own that have several values: iterations, splits, stamps.
 fn has_choices_left(request: &Request<'_>, template: &Template, hits: &[Hit], report: &mut Report) -> bool {
-    const MEANT: [&str; 7] = ["scene", "query", "text", "frame", "position", "image", "level"];
+    const MEANT: [&str; 9] =
+        ["scene", "query", "text", "prompt", "form", "frame", "position", "image", "level"];
     let mut is_ambiguous = false;
     for field in template.fields().into_iter().filter(|field| !MEANT.contains(field)) {
         let mut values: Vec<&str> = hits.iter().filter_map(|hit| hit.text(field)).collect();

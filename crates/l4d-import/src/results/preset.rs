@@ -121,6 +121,8 @@ const BUILT_IN: &[(&str, &str)] = built_in![
     "mevis",
     "mevis-rle",
     "davis",
+    "r4d",
+    "votsr",
     "generic",
 ];
 

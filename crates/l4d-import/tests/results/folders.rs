@@ -335,6 +335,70 @@ fn run_lengths_in_one_file_and_null_for_nothing() {
 }
 
 #[test]
+fn validations_of_hypergaussian_say_when_a_sentence_holds() {
+    let bench = Bench::new();
+    for (query, _) in TEXTS.iter().enumerate() {
+        let folder = format!("{SCENE}/entitybank/query_guided/{:03}/final_query_render_sourcebg", query + 1);
+        let is_active = |at: usize| query != 2 || (3..=5).contains(&at);
+        let frame = |at: usize| serde_json::json!({"frame_index": at, "image_id": "x", "query_active": is_active(at)});
+        let frames: Vec<serde_json::Value> = (0..9).map(frame).collect();
+        let exports = serde_json::json!({"binary_masks": "/elsewhere/binary_masks"});
+        let file = serde_json::json!({"frame_exports": exports, "frames": frames});
+        bench.write(&format!("{folder}/validation.json"), file.to_string());
+        for at in (0..9).filter(|at| is_active(*at)) {
+            bench
+                .write(&format!("{folder}/binary_masks/{at:05}.png"), png::encode(&cup(referent(query), at)));
+        }
+    }
+    let (imported, report) = bench.import("r4d", |_| ());
+    assert_eq!(codes(report), Vec::<&str>::new());
+    assert_eq!(mask_of(&imported, 1, 96).unwrap(), cup("cup_blue", 8));
+    assert_eq!((mask_of(&imported, 2, 24), mask_of(&imported, 2, 36).unwrap()), (None, cup("cup_red", 3)));
+    let digest = imported.inputs.clone();
+    let mask =
+        format!("{SCENE}/entitybank/query_guided/001/final_query_render_sourcebg/binary_masks/00004.png");
+    bench.write(&mask, png::encode(&cup("cup_red", 3)));
+    let (imported, _) = bench.import("r4d", |_| ());
+    assert_ne!(imported.inputs, digest, "the pictures belong to what was read");
+    std::fs::remove_file(bench.path("method").join(mask)).unwrap();
+    let (_, report) = bench.import("r4d", |_| ());
+    assert!(report.has_errors(), "a picture that is missing is no silence");
+}
+
+#[test]
+fn trajectories_of_the_vot_toolkit_are_masks_by_query() {
+    let bench = Bench::new();
+    for (query, form) in ["txt", "bin", "txt"].into_iter().enumerate() {
+        let name = format!("{SCENE}_{:03}", query + 1);
+        let bytes = (0..9).map(|at| vot_region(&cup(referent(query), at), form == "bin"));
+        let head = if form == "bin" { vec![1, 0, 9, 0, 0, 0] } else { Vec::new() };
+        let file = [head].into_iter().chain(bytes).collect::<Vec<_>>().concat();
+        bench.write(&format!("ours/baseline/{name}/{name}_0123abc{query}.{form}"), file);
+    }
+    let (imported, report) = bench.import("votsr", |_| ());
+    assert_eq!(codes(report), Vec::<&str>::new());
+    for (query, position) in [(0, 0), (1, 8), (2, 4)] {
+        assert_eq!(mask_of(&imported, query, clip()[position]).unwrap(), cup(referent(query), position));
+    }
+}
+
+/// A mask as `encode_mask` and `write_trajectory` of the toolkit write it.
+fn vot_region(mask: &Mask, is_binary: bool) -> Vec<u8> {
+    let pixels: Vec<(u32, u32)> = mask.pixels().collect();
+    let left = pixels.iter().map(|(col, _)| *col).min().unwrap();
+    let top = pixels.iter().map(|(_, row)| *row).min().unwrap();
+    let width = pixels.iter().map(|(col, _)| *col).max().unwrap() + 1 - left;
+    let height = pixels.iter().map(|(_, row)| *row).max().unwrap() + 1 - top;
+    let runs = [0, width * height];
+    if !is_binary {
+        return format!("m{left},{top},{width},{height},{},{}\n", runs[0], runs[1]).into_bytes();
+    }
+    let numbers = [left, top, width, height, 2, runs[0], runs[1]];
+    let bytes = numbers.iter().flat_map(|number| (*number as u16).to_le_bytes());
+    [3].into_iter().chain(bytes).collect()
+}
+
+#[test]
 fn a_list_of_frames_leaves_other_cameras_out() {
     let bench = Bench::new();
     let folder = |picture: usize| format!("{SCENE}/test/ours_1_text/test_mask/{picture:05}");

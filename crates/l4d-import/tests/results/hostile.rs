@@ -50,6 +50,6 @@ proptest! {
         let reading = request(&benchmark, "mevis-rle", &path).reading;
         let json = br#"{"001": [null, {"size": [3, 2], "counts": "024"}]}"#;
         let (_folder, path) = written("a.json", &damaged(json));
-        let _ = codec::read(&path, &reading);
+        let _ = codec::read(&path, &reading, (3, 2));
     }
 }

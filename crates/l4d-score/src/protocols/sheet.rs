@@ -6,7 +6,7 @@ use l4d_data::{Name, QueryId};
 use serde_json::{Map, Value as Json, json};
 
 use super::clip::{Judged, LeftOut, Value};
-use super::{Averaging, Measure, Protocol};
+use super::{Averaging, Measure, Protocol, saco};
 use crate::metrics::mean;
 use crate::table::{NAME_WIDTH, line, percent, wrapped};
 
@@ -48,6 +48,7 @@ impl Sheet {
     pub fn number(&self, measure: usize) -> Option<f64> {
         let scenes = self.scenes();
         match self.protocol.rules().averaging {
+            Averaging::Counts => self.of_scene(&self.rows.iter().collect::<Vec<_>>(), measure),
             Averaging::Queries => mean_of_queries(self.rows.iter(), measure),
             Averaging::PairsThenScenes | Averaging::QueriesThenScenes => {
                 mean(scenes.values().filter_map(|rows| self.of_scene(rows, measure)))
@@ -113,6 +114,7 @@ impl Sheet {
 
     fn of_scene(&self, rows: &[&Row], measure: usize) -> Option<f64> {
         match self.protocol.rules().averaging {
+            Averaging::Counts => saco::number(rows, measure),
             Averaging::PairsThenScenes => {
                 let values = || rows.iter().filter_map(|row| row.judged.values[measure]);
                 let frames: u64 = values().map(|value| value.frames).sum();

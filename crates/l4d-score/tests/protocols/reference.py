@@ -241,6 +241,26 @@ def votsr(clips):
     return {"accuracy": float(sum(value * length for value, length in sequences) / sum(n for _, n in sequences))}
 
 
+def saco(clips):
+    """Counts and epsilons as in demo_eval.py: a sentence has at most one mask, and the IoU is that over the clip."""
+    thresholds = np.linspace(0.5, 0.95, 10)
+    tp, fp, fn, confusion = np.zeros(10), np.zeros(10), np.zeros(10), np.zeros((2, 2))
+    for seen, *_ in clips:
+        target = np.stack([frame.target for frame in seen])
+        said = np.stack([frame.predicted for frame in seen])
+        confusion[int(target.any()), int(said.any())] += 1
+        if target.any():
+            overlap = (target & said).sum() / (target | said).sum()
+            hits = np.where(said.any() & (overlap >= thresholds), 1, 0)
+            tp, fp, fn = tp + hits, fp + said.any() - hits, fn + 1 - hits
+    precision, recall = tp / (tp + fp + 1e-4), tp / (tp + fn + 1e-4)
+    pmf1 = float((2 * precision * recall / (precision + recall + 1e-4)).mean())
+    (tn, alarms), (lost, found) = confusion
+    product = (found + alarms) * (found + lost) * (tn + alarms) * (tn + lost)
+    mcc = float((found * tn - alarms * lost) / (product**0.5 + 1e-6))
+    return {"cgf1": pmf1 * mcc, "pmf1": pmf1, "il_mcc": mcc, "n_acc": float(tn / (tn + alarms))}
+
+
 def clips_of(scene):
     shape = scene["height"], scene["width"]
     is_answered = any(query["answers"] for query in scene["queries"])
@@ -269,6 +289,7 @@ def main():
         "gaussian-grouping": by_scene(scenes, gaussian_grouping),
         "r4d": r4d(pooled),
         "votsr": votsr(pooled),
+        "saco": saco(pooled),
     }
     for scene in scenes:
         scene["queries"] = [written(query) for query in scene["queries"]]

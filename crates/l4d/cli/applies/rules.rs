@@ -28,6 +28,7 @@ const MAPS: &[&str] = &[
     "refersplat",
     "mevis",
     "davis",
+    "r4d",
     "generic",
     "*.toml",
 ];

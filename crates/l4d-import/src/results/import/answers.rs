@@ -37,7 +37,7 @@ pub(super) fn read(reading: &Reading, hits: &[Hit], collector: &mut Collector<'_
     for batch in hits.chunks(BATCH) {
         let decode = |hit: &Hit| -> (Vec<Answer>, Report) {
             let mut report = Report::default();
-            let pieces = codec::read(&hit.path, reading);
+            let pieces = codec::read(&hit.path, reading, collector.pictures.size);
             let pieces = pieces.map_err(|problem| problem.report(&hit.path, &mut report)).unwrap_or_default();
             let placed = pieces.into_iter().map(|piece| collector.place(hit, piece));
             let placed = placed.filter_map(|answer| {

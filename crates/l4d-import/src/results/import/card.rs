@@ -12,6 +12,7 @@ use l4d_data::store::{FolderLock, list_folder, remove_folder, write_atomic};
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, QueryId, json};
 
+use super::super::codec;
 use super::super::relevancy::Smoothing;
 use super::super::template::Hit;
 use super::{Imported, Request};
@@ -118,11 +119,13 @@ fn remove_file(path: &Path) -> Result<(), DataError> {
 }
 
 /// One digest of all files of a scene, by their paths below the root.
-pub(super) fn digest(root: &Path, hits: &[Hit]) -> Result<String, DataError> {
+pub(super) fn digest(request: &Request<'_>, hits: &[Hit]) -> Result<String, DataError> {
     let mut digest = RunningDigest::default();
-    for hit in hits {
-        let path = hit.path.strip_prefix(root).unwrap_or(&hit.path).display();
-        digest.add(format!("{}  {path}\n", sha256_file(&hit.path)?).as_bytes());
+    for file in hits.iter().flat_map(|hit| codec::files(request.preset.codec, &hit.path)) {
+        if file.exists() {
+            let path = file.strip_prefix(&request.root).unwrap_or(&file).display();
+            digest.add(format!("{}  {path}\n", sha256_file(&file)?).as_bytes());
+        }
     }
     Ok(digest.hex())
 }
