@@ -36,6 +36,8 @@ use crate::view::ViewError;
 pub(crate) use colmap::read_points;
 pub(crate) use initial_points::InitialPoints;
 pub(crate) use motion::Motion;
+#[cfg(test)]
+pub(crate) use motion::background_errors;
 pub(crate) use quality::{Quality, Region, decibels, measure};
 pub use settings::Settings;
 pub(crate) use settings::Stage;

@@ -5,6 +5,8 @@ mod folder;
 mod input;
 mod pictures;
 mod report;
+#[cfg(test)]
+mod stereo_error;
 
 use std::error::Error;
 use std::fmt;

@@ -133,6 +133,28 @@ impl Motion {
     }
 }
 
+/// Relative errors of the depths of backgrounds found by comparing pictures, where nothing ever moves; 1 where nothing
+/// was found.
+#[cfg(test)]
+pub(crate) fn background_errors(truth: &TrainingViews) -> Vec<f32> {
+    let (known, found) = (Motion::of(truth, 0.05), Motion::of(&truth.of_colour(), 0.05));
+    let mut errors = Vec::new();
+    for camera in 0..truth.cameras().len() {
+        let (Some(known_m), Some(found_m)) = (known.background(camera), found.background(camera)) else {
+            continue;
+        };
+        let rests =
+            |pixel: &usize| (0..truth.moments()).all(|moment| !known.moves(truth, camera, moment, *pixel));
+        let is_hit = |pixel: &usize| known_m.depth_m[*pixel].is_finite();
+        for pixel in (0..truth.pixel_count()).filter(is_hit).filter(rests) {
+            let [known_m, found_m] = [known_m, found_m].map(|background| background.depth_m[pixel]);
+            let error = (found_m - known_m).abs() / known_m;
+            errors.push(if error.is_finite() { error.min(1.0) } else { 1.0 });
+        }
+    }
+    errors
+}
+
 /// Metres by which two depths of one surface may differ.
 pub(super) fn tolerance(depth_m: f32) -> f32 {
     TOLERANCE[0] + TOLERANCE[1] * depth_m

@@ -1,11 +1,16 @@
 //! How far away what pictures show is, found by comparing pictures.
 //!
-//! Plane sweep, semi-global matching (Hirschmüller 2008), and a check of the depth of each view against that of its
-//! neighbours. Planes are even in inverse depth, about a pixel of parallax apart, so that the unit of the world does not
-//! matter. Knows neither time nor motion.
+//! Smaller pictures are compared first, plane by plane: a plane sweep with semi-global matching (Hirschmüller 2008), twice,
+//! the second time with what the views agreed on. From there each pixel looks for the slanted patch that fits best, at full
+//! size. What views do not share is carried on from what they do. Planes are even in inverse depth, about a pixel of parallax
+//! apart, so that the unit of the world does not matter. Knows neither time nor motion.
 
+mod agreement;
 mod cost;
+mod fill;
+mod refine;
 mod semi_global;
+mod smaller;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -13,20 +18,19 @@ use rayon::prelude::*;
 use crate::view::View;
 
 use super::pinhole::Pinhole;
+use agreement::{Known, agreed, carve, weigh};
 use cost::costs;
+use fill::{fill, leave_out_unsupported};
+use refine::{Hints, refine};
 use semi_global::matched;
 
 /// Most neighbours that a picture is compared with.
-const NEIGHBOURS: usize = 4;
+const NEIGHBOURS: usize = 6;
 /// Cosine of the widest angle between the axes of views that are compared.
 const LEAST_COSINE: f64 = 0.5;
 const PLANES: usize = 256;
 /// Parallax of the nearest plane, widths of the picture.
 const NEAREST: f64 = 0.8;
-/// Dearer matches, bytes of colour, are none.
-const WORST_MATCH: u8 = 30;
-/// Planes by which depths of two views may differ and still be of one surface.
-const AGREE_PLANES: f32 = 1.5;
 
 /// A picture and from where it was taken.
 #[derive(Debug, Clone, Copy)]
@@ -66,60 +70,88 @@ fn sweep(views: &[&View], of: usize) -> Option<PlaneSweep> {
     Some(PlaneSweep::new(views[of], baseline_m))
 }
 
-/// Planar depth, metres, of the pixels that are `wanted`, row-major, for the first images; the others are only compared
-/// with. +inf: too far to tell. NaN: unknown, or not wanted.
-pub(super) fn depths(images: &[StereoImage<'_>], wanted: &[Vec<bool>]) -> Vec<Vec<f32>> {
-    let views: Vec<&View> = images.iter().map(|image| image.view).collect();
-    let found: Vec<Option<(PlaneSweep, Vec<f32>)>> = wanted
-        .par_iter()
-        .enumerate()
-        .map(|(of, wanted)| {
-            let sweep = sweep(&views, of).filter(|_| wanted.contains(&true))?;
-            let others: Vec<StereoImage<'_>> =
-                neighbours(&views, of).into_iter().map(|(other, _)| images[other]).collect();
-            let volume = costs(&images[of], &others, &sweep, wanted);
-            Some((sweep, matched(&volume, &images[of], &sweep, wanted)))
-        })
-        .collect();
-    let pinholes: Vec<Pinhole> = views.iter().map(|view| Pinhole::new(view)).collect();
-    (0..wanted.len())
-        .into_par_iter()
-        .map(|of| match &found[of] {
-            Some((sweep, depth_m)) => {
-                let others: Vec<usize> = neighbours(&views, of)
-                    .into_iter()
-                    .map(|(other, _)| other)
-                    .filter(|&other| other < wanted.len())
-                    .collect();
-                let is_seen = |(pixel, &depth_m): (usize, &f32)| {
-                    let is_told = depth_m.is_finite() && !others.is_empty();
-                    let told =
-                        || agrees(&pinholes, &found, of, &others, pixel, depth_m, AGREE_PLANES * sweep.step);
-                    if is_told && !told() { f32::NAN } else { depth_m }
-                };
-                depth_m.iter().enumerate().map(is_seen).collect()
-            }
-            None => vec![f32::NAN; wanted[of].len()],
-        })
-        .collect()
+/// What a view alone says of its pixels.
+struct DepthMap {
+    sweep: PlaneSweep,
+    /// Planar depth, metres; +inf: too far to tell. NaN: unknown, or not wanted.
+    depth_m: Vec<f32>,
 }
 
-/// Whether any other view sees the same surface at the same place.
-fn agrees(
-    pinholes: &[Pinhole],
-    found: &[Option<(PlaneSweep, Vec<f32>)>],
-    of: usize,
-    others: &[usize],
-    pixel: usize,
-    depth_m: f32,
-    tolerance: f32,
-) -> bool {
-    let point = pinholes[of].world(pinholes[of].centre_of(pixel), depth_m);
-    others.iter().any(|&other| {
-        let Some((_, depths_m)) = &found[other] else { return false };
-        let Some((seen, z_m)) = pinholes[other].pixel(point) else { return false };
-        (1.0 / depths_m[seen] - 1.0 / z_m).abs() < tolerance
+/// Planar depth, metres, of the pixels that are `wanted`, row-major, for the first images; the others are only compared
+/// with. +inf: too far to tell. NaN: nothing is known, or not wanted.
+pub(super) fn depths(images: &[StereoImage<'_>], wanted: &[Vec<bool>]) -> Vec<Vec<f32>> {
+    let Some(first) = images.first() else { return Vec::new() };
+    let factor = smaller::factor_for(first.view);
+    let shrunk: Vec<(View, Vec<[u8; 3]>)> =
+        images.iter().map(|image| smaller::shrunk(image, factor)).collect();
+    let small: Vec<StereoImage<'_>> =
+        shrunk.iter().map(|(view, colour)| StereoImage { view, colour }).collect();
+    let small_wanted: Vec<Vec<bool>> =
+        wanted.iter().map(|wanted| smaller::any(wanted, first.view, factor)).collect();
+    let alone = agreed(&small, &swept(&small, &small_wanted, None));
+    let together = agreed(&small, &swept(&small, &small_wanted, Some(&alone)));
+    let (coarse, _) = filled(&small, &small_wanted, &together);
+    let maps: Vec<Option<DepthMap>> = each(images, wanted, |of, others, sweep| {
+        let hints = Hints { images: &small, known: &coarse, of, factor };
+        refine(&images[of], others, sweep, &wanted[of], &hints)
+    });
+    let known = agreed(images, &maps);
+    let (mut inverse, support) = filled(images, wanted, &known);
+    carve(&mut inverse, images, &known, &maps);
+    for (inverse, support) in inverse.iter_mut().zip(&support) {
+        leave_out_unsupported(inverse, support);
+    }
+    let depth = |(inverse, map): (Vec<f32>, &Option<DepthMap>)| {
+        let step = map.as_ref().map_or(0.0, |map| map.sweep.step);
+        inverse.into_iter().map(|inverse| depth_m(inverse, step)).collect()
+    };
+    inverse.into_iter().zip(&maps).map(depth).collect()
+}
+
+/// Metres; what is within half a plane of infinity is there.
+fn depth_m(inverse: f32, step: f32) -> f32 {
+    if inverse < 0.25 * step { f32::INFINITY } else { 1.0 / inverse }
+}
+
+/// What each view says, compared with its neighbours; none for those without any, or of which nothing is wanted.
+fn each(
+    images: &[StereoImage<'_>],
+    wanted: &[Vec<bool>],
+    depths: impl Fn(usize, &[StereoImage<'_>], &PlaneSweep) -> Vec<f32> + Sync,
+) -> Vec<Option<DepthMap>> {
+    let views: Vec<&View> = images.iter().map(|image| image.view).collect();
+    let map = |of: usize| {
+        let sweep = sweep(&views, of).filter(|_| wanted[of].contains(&true))?;
+        let others: Vec<StereoImage<'_>> =
+            neighbours(&views, of).into_iter().map(|(other, _)| images[other]).collect();
+        Some(DepthMap { sweep, depth_m: depths(of, &others, &sweep) })
+    };
+    (0..wanted.len()).into_par_iter().map(map).collect()
+}
+
+/// The best planes of a sweep by themselves, or with what the views know.
+fn swept(
+    images: &[StereoImage<'_>],
+    wanted: &[Vec<bool>],
+    known: Option<&[Vec<Known>]>,
+) -> Vec<Option<DepthMap>> {
+    let pinholes: Vec<Pinhole> = images.iter().map(|image| Pinhole::new(image.view)).collect();
+    each(images, wanted, |of, others, sweep| {
+        let mut volume = costs(&images[of], others, sweep, &wanted[of]);
+        if let Some(known) = known {
+            weigh(&mut volume, &pinholes, known, of, sweep, &wanted[of]);
+        }
+        matched(&volume, &images[of], sweep, &wanted[of])
     })
+}
+
+/// Inverse depths by view, carried on to where nothing is shared, and their support.
+fn filled(
+    images: &[StereoImage<'_>],
+    wanted: &[Vec<bool>],
+    known: &[Vec<Known>],
+) -> (Vec<Vec<f32>>, Vec<Vec<f32>>) {
+    (0..wanted.len()).into_par_iter().map(|of| fill(&images[of], &wanted[of], &known[of])).unzip()
 }
 
 /// Views that a view can be compared with, and how far they stand from it, metres; the nearest first.

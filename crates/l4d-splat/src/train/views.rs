@@ -115,6 +115,15 @@ impl TrainingViews {
         Ok(())
     }
 
+    /// The same pictures without depth.
+    #[cfg(test)]
+    pub(super) fn of_colour(&self) -> Self {
+        let mut views = Self { has_depth: false, ..self.clone() };
+        let pictures = views.cameras.iter_mut().flat_map(|camera| &mut camera.pictures);
+        pictures.for_each(|picture| picture.depth_m.clear());
+        views
+    }
+
     pub(crate) fn size(&self) -> [u32; 2] {
         self.size
     }

@@ -1,7 +1,10 @@
 //! Semi-global matching: along paths through the picture a change of plane costs something, little for the next plane,
 //! more for any other, less where the colour changes too. The plane with the smallest sum over all paths wins.
 
-use super::{PlaneSweep, StereoImage, WORST_MATCH};
+use super::{PlaneSweep, StereoImage};
+
+/// Dearer matches, bytes, are none.
+const WORST_MATCH: u8 = 42;
 
 /// What a step to the next plane costs, bytes of colour, and the most that any other step does.
 const NEXT: u16 = 5;
