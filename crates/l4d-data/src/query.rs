@@ -58,7 +58,7 @@ pub enum QuerySet {
     Composites,
     /// Sentences that nothing satisfies: they have no truth to hit, so that they are judged only beside queries that have.
     Absents,
-    /// The queries that count and the sentences that nothing satisfies: whoever is asked both must tell them apart.
+    /// The queries that count together with the sentences that nothing satisfies.
     WithAbsents,
 }
 

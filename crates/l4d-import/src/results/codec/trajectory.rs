@@ -104,12 +104,12 @@ fn place(
     let mut mask = Mask::empty(size.0, size.1);
     let mut at = 0;
     for (index, &run) in runs.iter().enumerate() {
-        let end = at + run;
-        if run < 0 || end > width * height {
+        if !(0..=width * height - at).contains(&run) {
             return Err(format!("has runs that do not fit its {width}x{height} pixels"));
         }
+        let end = at + run;
         for pixel in (at..end).filter(|_| index % 2 == 1) {
-            let (col, row) = (left + pixel % width, top + pixel / width);
+            let (col, row) = (left.saturating_add(pixel % width), top.saturating_add(pixel / width));
             if (0..i64::from(size.0)).contains(&col) && (0..i64::from(size.1)).contains(&row) {
                 mask.set(col as u32, row as u32, true);
             }
@@ -153,6 +153,12 @@ mod tests {
     }
 
     #[test]
+    fn what_lies_beyond_the_picture_is_cut_off() {
+        let beyond = text("m9223372036854775807,-9223372036854775808,2,2,0,4\n", SIZE).unwrap();
+        assert_eq!(beyond, [None]);
+    }
+
+    #[test]
     fn what_is_no_mask_is_named() {
         for (line, reason) in [
             ("1,2,3,4", "is no mask"),
@@ -160,6 +166,7 @@ mod tests {
             ("m0,0,2,2,x", "no whole number"),
             ("m0,0,2,2,5", "do not fit"),
             ("m0,0,2,2,-1", "do not fit"),
+            ("m0,0,2,2,1,9223372036854775807", "do not fit"),
             ("m0,0,2,99999999999,0", "each side"),
             ("", "is no mask"),
         ] {

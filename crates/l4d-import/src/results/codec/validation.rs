@@ -50,8 +50,9 @@ pub(super) fn read(path: &Path, reading: &Reading) -> Result<Vec<Piece>, Problem
     Ok(pieces)
 }
 
-/// The pictures that [`read`] opens.
+/// The pictures that [`read`] opens, those that are there.
 pub(super) fn pictures(path: &Path) -> Vec<PathBuf> {
     let frames = frames(path).unwrap_or_default();
-    frames.iter().filter(|frame| frame.query_active).map(|frame| picture(path, frame)).collect()
+    let active = frames.iter().filter(|frame| frame.query_active);
+    active.map(|frame| picture(path, frame)).filter(|path| path.exists()).collect()
 }

@@ -122,10 +122,8 @@ fn remove_file(path: &Path) -> Result<(), DataError> {
 pub(super) fn digest(request: &Request<'_>, hits: &[Hit]) -> Result<String, DataError> {
     let mut digest = RunningDigest::default();
     for file in hits.iter().flat_map(|hit| codec::files(request.preset.codec, &hit.path)) {
-        if file.exists() {
-            let path = file.strip_prefix(&request.root).unwrap_or(&file).display();
-            digest.add(format!("{}  {path}\n", sha256_file(&file)?).as_bytes());
-        }
+        let path = file.strip_prefix(&request.root).unwrap_or(&file).display();
+        digest.add(format!("{}  {path}\n", sha256_file(&file)?).as_bytes());
     }
     Ok(digest.hex())
 }

@@ -27,6 +27,11 @@ impl Known {
     pub(super) fn is_shared(self) -> bool {
         self.trust >= SHARED
     }
+
+    /// Whether what is known lies behind a point at a planar depth: views see through the point.
+    fn is_behind(self, z_m: f32, tolerance: f32) -> bool {
+        self.is_shared() && 1.0 / z_m - self.inverse > 2.0 * tolerance
+    }
 }
 
 /// What each view says, the mean with the views that say the same.
@@ -61,10 +66,10 @@ fn shared(pinholes: &[Pinhole], maps: &[Option<DepthMap>], of: usize, map: &Dept
             count += 1;
         }
     }
-    // One map alone has nobody to ask.
-    let is_alone = maps.iter().flatten().count() == 1;
+    // A map without any other cannot be checked, and is taken as it is.
+    let is_only = maps.iter().enumerate().all(|(other, map)| other == of || map.is_none());
     let all = others > 0 && count > others;
-    let level = if is_alone || all { 2 } else { (count - 1).min(2) };
+    let level = if is_only || all { 2 } else { (count - 1).min(2) };
     Known { inverse: f32::max(sum / count as f32, 0.0), trust: TRUST[level] }
 }
 
@@ -90,11 +95,8 @@ pub(super) fn weigh(
             for &other in &others {
                 let Some((at, z_m)) = pinholes[other].pixel(point) else { continue };
                 let there = known[other][at];
-                if there.is_shared() {
-                    let nearer = 1.0 / z_m - there.inverse;
-                    seen += u8::from(nearer.abs() < tolerance);
-                    through += u8::from(nearer > 2.0 * tolerance);
-                }
+                seen += u8::from(there.is_shared() && (1.0 / z_m - there.inverse).abs() < tolerance);
+                through += u8::from(there.is_behind(z_m, tolerance));
             }
             *cost += UNSEEN * (2 - seen.min(2)) + SEEN_THROUGH * through.min(2);
         }
@@ -115,10 +117,8 @@ pub(super) fn carve(
         let is_seen_through = |pixel: usize, inverse: f32| {
             let point = pinholes[of].world(pinholes[of].centre_of(pixel), 1.0 / inverse);
             (0..known.len()).filter(|other| *other != of).any(|other| {
-                pinholes[other].pixel(point).is_some_and(|(at, z_m)| {
-                    let there = known[other][at];
-                    there.is_shared() && 1.0 / z_m > there.inverse + 2.0 * TOLERANCE_PLANES * step
-                })
+                let seen = pinholes[other].pixel(point);
+                seen.is_some_and(|(at, z_m)| known[other][at].is_behind(z_m, TOLERANCE_PLANES * step))
             })
         };
         for pixel in (0..inverse.len()).filter(|pixel| !known[of][*pixel].is_shared()) {
