@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Iterable
@@ -15,6 +16,21 @@ HERE = Path(__file__).resolve().parent
 PROJECT = HERE.parent
 TOY = HERE / "recipes"
 WIDTH, HEIGHT = 128, 96
+EXIT_STATUS = pytest.StashKey[int]()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Ends the process at once: the destructors of bpy's C++ code sometimes wait for a thread for ever."""
+    status = config.stash.get(EXIT_STATUS, None)
+    if "bpy" in sys.modules and status is not None:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
+
+
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    session.config.stash[EXIT_STATUS] = int(exitstatus)
 
 
 def first_of(values: Iterable[Any]) -> list:
