@@ -2,12 +2,15 @@
 //!
 //! Smaller pictures are compared first, plane by plane: a plane sweep with semi-global matching (Hirschmüller 2008), twice,
 //! the second time with what the views agreed on. From there each pixel looks for the slanted patch that fits best, at full
-//! size. What views do not share is carried on from what they do. Planes are even in inverse depth, about a pixel of parallax
+//! size. What views do not share is carried on from what they do; where most of the pictures is wanted, along the planes on
+//! which much lies (floors, walls). Planes of a sweep are even in inverse depth, about a pixel of parallax
 //! apart, so that the unit of the world does not matter. Knows neither time nor motion.
 
 mod agreement;
 mod cost;
+mod extend;
 mod fill;
+mod planes;
 mod refine;
 mod semi_global;
 mod smaller;
@@ -20,7 +23,9 @@ use crate::view::View;
 use super::pinhole::Pinhole;
 use agreement::{Known, agreed, carve, weigh};
 use cost::costs;
+use extend::extend;
 use fill::{fill, leave_out_unsupported};
+use planes::{ScenePlane, shared_planes};
 use refine::{Hints, refine};
 use semi_global::matched;
 
@@ -63,6 +68,11 @@ impl PlaneSweep {
     }
 }
 
+fn sweeps(images: &[StereoImage<'_>]) -> Vec<Option<PlaneSweep>> {
+    let views: Vec<&View> = images.iter().map(|image| image.view).collect();
+    (0..views.len()).map(|of| sweep(&views, of)).collect()
+}
+
 /// The planes for a view among others; none where no other is beside it and looks the same way.
 fn sweep(views: &[&View], of: usize) -> Option<PlaneSweep> {
     let near = neighbours(views, of);
@@ -91,13 +101,19 @@ pub(super) fn depths(images: &[StereoImage<'_>], wanted: &[Vec<bool>]) -> Vec<Ve
     let alone = agreed(&small, &swept(&small, &small_wanted, None));
     let together = agreed(&small, &swept(&small, &small_wanted, Some(&alone)));
     let (coarse, _) = filled(&small, &small_wanted, &together);
+    // What moves is too small for planes.
+    let planes_of = |images: &[StereoImage<'_>], known: &[Vec<Known>]| -> Vec<ScenePlane> {
+        if is_most(wanted) { shared_planes(images, known) } else { Vec::new() }
+    };
+    let coarse_planes = planes_of(&small, &together);
     let maps: Vec<Option<DepthMap>> = each(images, wanted, |of, others, sweep| {
-        let hints = Hints { images: &small, known: &coarse, of, factor };
+        let hints = Hints { images: &small, known: &coarse, of, factor, planes: &coarse_planes };
         refine(&images[of], others, sweep, &wanted[of], &hints)
     });
     let known = agreed(images, &maps);
-    let (mut inverse, support) = filled(images, wanted, &known);
-    carve(&mut inverse, images, &known, &maps);
+    let (mut inverse, mut support) = filled(images, wanted, &known);
+    extend(&planes_of(images, &known), images, wanted, &known, &mut inverse, &mut support);
+    carve(&mut inverse, images, &known);
     for (inverse, support) in inverse.iter_mut().zip(&support) {
         leave_out_unsupported(inverse, support);
     }
@@ -106,6 +122,10 @@ pub(super) fn depths(images: &[StereoImage<'_>], wanted: &[Vec<bool>]) -> Vec<Ve
         inverse.into_iter().map(|inverse| depth_m(inverse, step)).collect()
     };
     inverse.into_iter().zip(&maps).map(depth).collect()
+}
+
+fn is_most(wanted: &[Vec<bool>]) -> bool {
+    2 * wanted.iter().flatten().filter(|wanted| **wanted).count() > wanted.iter().map(Vec::len).sum::<usize>()
 }
 
 /// Metres; what is within half a plane of infinity is there.
@@ -120,8 +140,9 @@ fn each(
     depths: impl Fn(usize, &[StereoImage<'_>], &PlaneSweep) -> Vec<f32> + Sync,
 ) -> Vec<Option<DepthMap>> {
     let views: Vec<&View> = images.iter().map(|image| image.view).collect();
+    let sweeps = sweeps(images);
     let map = |of: usize| {
-        let sweep = sweep(&views, of).filter(|_| wanted[of].contains(&true))?;
+        let sweep = sweeps[of].filter(|_| wanted[of].contains(&true))?;
         let others: Vec<StereoImage<'_>> =
             neighbours(&views, of).into_iter().map(|(other, _)| images[other]).collect();
         Some(DepthMap { sweep, depth_m: depths(of, &others, &sweep) })

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::super::pinhole::Pinhole;
-use super::{DepthMap, PlaneSweep, StereoImage};
+use super::{DepthMap, PlaneSweep, StereoImage, sweeps};
 
 /// Planes by which depths of two views may differ and still be of one surface.
 const TOLERANCE_PLANES: f32 = 1.0;
@@ -103,26 +103,32 @@ pub(super) fn weigh(
     }
 }
 
-/// Moves what no other view shares away from the camera, until none sees through it.
-pub(super) fn carve(
-    inverse: &mut [Vec<f32>],
-    images: &[StereoImage<'_>],
+/// Whether another view sees what lies behind a pixel's point at an inverse depth, 1/m; `step`: that of the sweep of the
+/// pixel's view.
+pub(super) fn is_seen_through(
+    pinholes: &[Pinhole],
     known: &[Vec<Known>],
-    maps: &[Option<DepthMap>],
-) {
+    of: usize,
+    pixel: usize,
+    inverse: f32,
+    step: f32,
+) -> bool {
+    let point = pinholes[of].world(pinholes[of].centre_of(pixel), 1.0 / inverse);
+    (0..known.len()).filter(|other| *other != of).any(|other| {
+        let seen = pinholes[other].pixel(point);
+        seen.is_some_and(|(at, z_m)| known[other][at].is_behind(z_m, TOLERANCE_PLANES * step))
+    })
+}
+
+/// Moves what no other view shares away from the camera, until none sees through it.
+pub(super) fn carve(inverse: &mut [Vec<f32>], images: &[StereoImage<'_>], known: &[Vec<Known>]) {
     let pinholes: Vec<Pinhole> = images.iter().map(|image| Pinhole::new(image.view)).collect();
+    let sweeps = sweeps(images);
     inverse.par_iter_mut().enumerate().for_each(|(of, inverse)| {
-        let Some(map) = &maps[of] else { return };
-        let step = map.sweep.step;
-        let is_seen_through = |pixel: usize, inverse: f32| {
-            let point = pinholes[of].world(pinholes[of].centre_of(pixel), 1.0 / inverse);
-            (0..known.len()).filter(|other| *other != of).any(|other| {
-                let seen = pinholes[other].pixel(point);
-                seen.is_some_and(|(at, z_m)| known[other][at].is_behind(z_m, TOLERANCE_PLANES * step))
-            })
-        };
+        let Some(PlaneSweep { step, .. }) = sweeps[of] else { return };
         for pixel in (0..inverse.len()).filter(|pixel| !known[of][*pixel].is_shared()) {
-            while inverse[pixel] > step && is_seen_through(pixel, inverse[pixel]) {
+            while inverse[pixel] > step && is_seen_through(&pinholes, known, of, pixel, inverse[pixel], step)
+            {
                 inverse[pixel] -= step;
             }
         }

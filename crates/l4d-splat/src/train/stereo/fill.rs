@@ -18,9 +18,8 @@ const LEAST_SUPPORT: f32 = 0.6;
 /// Inverse depth of the pixels that are wanted, 1/m, and how well what views share supports it, 0 to 1. The other pixels
 /// have no part in it. NaN where nothing is known at all.
 pub(super) fn fill(image: &StereoImage<'_>, wanted: &[bool], known: &[Known]) -> (Vec<f32>, Vec<f32>) {
-    let width = image.view.width() as usize;
-    let bonds = Bonds::new(image, wanted, width);
-    let mut inverse = first_guess(wanted, known, width);
+    let bonds = Bonds::new(image, wanted, EDGE);
+    let mut inverse = first_guess(wanted, known, image.view.width() as usize);
     bonds.settle(&mut inverse, wanted, |at| (known[at].trust, known[at].inverse), known);
     // Over-relaxation may step across infinity.
     inverse.iter_mut().filter(|inverse| **inverse < 0.0).for_each(|inverse| *inverse = 0.0);
@@ -43,21 +42,23 @@ pub(super) fn leave_out_unsupported(inverse: &mut [f32], support: &[f32]) {
 }
 
 /// What holds neighbours together.
-struct Bonds {
+pub(super) struct Bonds {
     width: usize,
     right: Vec<f32>,
     below: Vec<f32>,
 }
 
 impl Bonds {
-    fn new(image: &StereoImage<'_>, wanted: &[bool], width: usize) -> Self {
+    /// `edge`: the difference of colour that weakens a bond by a factor of e, bytes.
+    pub(super) fn new(image: &StereoImage<'_>, wanted: &[bool], edge: f32) -> Self {
+        let width = image.view.width() as usize;
         let bond = |at: usize, other: usize| {
             if !wanted[at] || !wanted[other] {
                 return 0.0;
             }
             let differences =
                 image.colour[at].iter().zip(image.colour[other]).map(|(one, other)| one.abs_diff(other));
-            (-f32::from(differences.max().unwrap_or_default()) / EDGE).exp().max(WEAKEST)
+            (-f32::from(differences.max().unwrap_or_default()) / edge).exp().max(WEAKEST)
         };
         let right = |at: usize| if (at + 1).is_multiple_of(width) { 0.0 } else { bond(at, at + 1) };
         let below = |at: usize| if at + width < wanted.len() { bond(at, at + width) } else { 0.0 };
@@ -69,7 +70,7 @@ impl Bonds {
     }
 
     /// Lets values become the mean of their neighbours and of what they are by themselves (weight and value).
-    fn settle(
+    pub(super) fn settle(
         &self,
         values: &mut [f32],
         wanted: &[bool],

@@ -6,6 +6,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::super::pinhole::Pinhole;
 use super::cost::{DEAREST, Other, better_half, brightness, cost_of_window};
+use super::planes::ScenePlane;
 use super::{NEIGHBOURS, PlaneSweep, StereoImage, depth_m};
 
 /// Half the side of a patch, pixels.
@@ -29,6 +30,14 @@ pub(super) struct Patch {
 }
 
 impl Patch {
+    fn of_plane(plane: &ScenePlane, pinhole: &Pinhole, pixel: usize) -> Option<Self> {
+        let [u, v] = pinhole.centre_of(pixel);
+        let inverse = plane.inverse(pinhole, [u, v])?;
+        let right = plane.inverse(pinhole, [u + 1.0, v])?;
+        let below = plane.inverse(pinhole, [u, v + 1.0])?;
+        Some(Self { inverse, slope: [right - inverse, below - inverse] })
+    }
+
     fn at(&self, [dx, dy]: [f32; 2]) -> Self {
         Self { inverse: self.inverse + self.slope[0] * dx + self.slope[1] * dy, ..*self }
     }
@@ -43,6 +52,8 @@ pub(super) struct Hints<'a> {
     pub(super) of: usize,
     /// How many times smaller.
     pub(super) factor: u32,
+    /// Planes that each pixel tries.
+    pub(super) planes: &'a [ScenePlane],
 }
 
 /// Planar depths, metres, from what is known at a smaller size: +inf too far to tell, NaN unknown or not wanted.
@@ -73,6 +84,13 @@ pub(super) fn refine(
     for (pixel, inverse) in hints.of_others(&pinhole).into_iter().filter(|(pixel, _)| wanted[*pixel]) {
         let slope = search.best[pixel].map_or([0.0; 2], |patch| patch.slope);
         search.attempt(pixel, Patch { inverse, slope });
+    }
+    for plane in hints.planes {
+        for pixel in (0..wanted.len()).filter(|pixel| wanted[*pixel]) {
+            if let Some(patch) = Patch::of_plane(plane, &pinhole, pixel) {
+                search.attempt(pixel, patch);
+            }
+        }
     }
     for pass in 0..PASSES {
         let is_forward = pass % 2 == 0;
