@@ -2,9 +2,8 @@
 //!
 //! Smaller pictures are compared first, plane by plane: a plane sweep with semi-global matching (Hirschmüller 2008), twice,
 //! the second time with what the views agreed on. From there each pixel looks for the slanted patch that fits best, at full
-//! size. What views do not share is carried on from what they do; where most of the pictures is wanted, along the planes on
-//! which much lies (floors, walls). Planes of a sweep are even in inverse depth, about a pixel of parallax
-//! apart, so that the unit of the world does not matter. Knows neither time nor motion.
+//! size. What views do not share is carried on from what they do; where most of the pictures is wanted, along the planes
+//! on which much lies (floors, walls). Planes of a sweep are even in inverse depth, about a pixel of parallax apart, so that the unit of the world does not matter. Knows neither time nor motion.
 
 mod agreement;
 mod cost;
@@ -25,7 +24,7 @@ use agreement::{Known, agreed, carve, weigh};
 use cost::costs;
 use extend::extend;
 use fill::{fill, leave_out_unsupported};
-use planes::{ScenePlane, shared_planes};
+use planes::shared_planes;
 use refine::{Hints, refine};
 use semi_global::matched;
 
@@ -68,11 +67,6 @@ impl PlaneSweep {
     }
 }
 
-fn sweeps(images: &[StereoImage<'_>]) -> Vec<Option<PlaneSweep>> {
-    let views: Vec<&View> = images.iter().map(|image| image.view).collect();
-    (0..views.len()).map(|of| sweep(&views, of)).collect()
-}
-
 /// The planes for a view among others; none where no other is beside it and looks the same way.
 fn sweep(views: &[&View], of: usize) -> Option<PlaneSweep> {
     let near = neighbours(views, of);
@@ -99,21 +93,23 @@ pub(super) fn depths(images: &[StereoImage<'_>], wanted: &[Vec<bool>]) -> Vec<Ve
     let small_wanted: Vec<Vec<bool>> =
         wanted.iter().map(|wanted| smaller::any(wanted, first.view, factor)).collect();
     let alone = agreed(&small, &swept(&small, &small_wanted, None));
-    let together = agreed(&small, &swept(&small, &small_wanted, Some(&alone)));
+    let small_maps = swept(&small, &small_wanted, Some(&alone));
+    let together = agreed(&small, &small_maps);
     let (coarse, _) = filled(&small, &small_wanted, &together);
     // What moves is too small for planes.
-    let planes_of = |images: &[StereoImage<'_>], known: &[Vec<Known>]| -> Vec<ScenePlane> {
-        if is_most(wanted) { shared_planes(images, known) } else { Vec::new() }
-    };
-    let coarse_planes = planes_of(&small, &together);
+    let has_planes = is_most(wanted);
+    let coarse_planes = if has_planes { shared_planes(&small, &small_maps, &together) } else { Vec::new() };
     let maps: Vec<Option<DepthMap>> = each(images, wanted, |of, others, sweep| {
         let hints = Hints { images: &small, known: &coarse, of, factor, planes: &coarse_planes };
         refine(&images[of], others, sweep, &wanted[of], &hints)
     });
     let known = agreed(images, &maps);
     let (mut inverse, mut support) = filled(images, wanted, &known);
-    extend(&planes_of(images, &known), images, wanted, &known, &mut inverse, &mut support);
-    carve(&mut inverse, images, &known);
+    if has_planes {
+        let planes = shared_planes(images, &maps, &known);
+        extend(&planes, images, wanted, &maps, &known, &mut inverse, &mut support);
+    }
+    carve(&mut inverse, images, &known, &maps);
     for (inverse, support) in inverse.iter_mut().zip(&support) {
         leave_out_unsupported(inverse, support);
     }
@@ -128,6 +124,11 @@ fn is_most(wanted: &[Vec<bool>]) -> bool {
     2 * wanted.iter().flatten().filter(|wanted| **wanted).count() > wanted.iter().map(Vec::len).sum::<usize>()
 }
 
+/// The largest difference of two colours in a channel, bytes.
+fn difference(one: [u8; 3], other: [u8; 3]) -> u8 {
+    std::iter::zip(one, other).map(|(one, other)| one.abs_diff(other)).max().unwrap_or_default()
+}
+
 /// Metres; what is within half a plane of infinity is there.
 fn depth_m(inverse: f32, step: f32) -> f32 {
     if inverse < 0.25 * step { f32::INFINITY } else { 1.0 / inverse }
@@ -140,9 +141,8 @@ fn each(
     depths: impl Fn(usize, &[StereoImage<'_>], &PlaneSweep) -> Vec<f32> + Sync,
 ) -> Vec<Option<DepthMap>> {
     let views: Vec<&View> = images.iter().map(|image| image.view).collect();
-    let sweeps = sweeps(images);
     let map = |of: usize| {
-        let sweep = sweeps[of].filter(|_| wanted[of].contains(&true))?;
+        let sweep = sweep(&views, of).filter(|_| wanted[of].contains(&true))?;
         let others: Vec<StereoImage<'_>> =
             neighbours(&views, of).into_iter().map(|(other, _)| images[other]).collect();
         Some(DepthMap { sweep, depth_m: depths(of, &others, &sweep) })
@@ -186,6 +186,14 @@ fn neighbours(views: &[&View], of: usize) -> Vec<(usize, f64)> {
     near.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
     near.truncate(NEIGHBOURS);
     near
+}
+
+/// Maps of views that have measured nothing, for tests of what follows.
+#[cfg(test)]
+fn empty_maps(images: &[StereoImage<'_>]) -> Vec<Option<DepthMap>> {
+    let views: Vec<&View> = images.iter().map(|image| image.view).collect();
+    let map = |sweep| DepthMap { sweep, depth_m: Vec::new() };
+    (0..views.len()).map(|of| sweep(&views, of).map(map)).collect()
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::super::pinhole::Pinhole;
-use super::{DepthMap, PlaneSweep, StereoImage, sweeps};
+use super::{DepthMap, PlaneSweep, StereoImage};
 
 /// Planes by which depths of two views may differ and still be of one surface.
 const TOLERANCE_PLANES: f32 = 1.0;
@@ -121,11 +121,16 @@ pub(super) fn is_seen_through(
 }
 
 /// Moves what no other view shares away from the camera, until none sees through it.
-pub(super) fn carve(inverse: &mut [Vec<f32>], images: &[StereoImage<'_>], known: &[Vec<Known>]) {
+pub(super) fn carve(
+    inverse: &mut [Vec<f32>],
+    images: &[StereoImage<'_>],
+    known: &[Vec<Known>],
+    maps: &[Option<DepthMap>],
+) {
     let pinholes: Vec<Pinhole> = images.iter().map(|image| Pinhole::new(image.view)).collect();
-    let sweeps = sweeps(images);
     inverse.par_iter_mut().enumerate().for_each(|(of, inverse)| {
-        let Some(PlaneSweep { step, .. }) = sweeps[of] else { return };
+        let Some(map) = &maps[of] else { return };
+        let step = map.sweep.step;
         for pixel in (0..inverse.len()).filter(|pixel| !known[of][*pixel].is_shared()) {
             while inverse[pixel] > step && is_seen_through(&pinholes, known, of, pixel, inverse[pixel], step)
             {

@@ -6,7 +6,7 @@ use super::super::pinhole::Pinhole;
 use super::agreement::{Known, is_seen_through};
 use super::fill::Bonds;
 use super::planes::{ScenePlane, TOLERANCE};
-use super::{StereoImage, sweeps};
+use super::{DepthMap, StereoImage, difference};
 
 /// Difference of colour that weakens the bond of two neighbours by a factor of e, bytes.
 const EDGE: f32 = 8.0;
@@ -26,25 +26,26 @@ pub(super) fn extend(
     planes: &[ScenePlane],
     images: &[StereoImage<'_>],
     wanted: &[Vec<bool>],
+    maps: &[Option<DepthMap>],
     known: &[Vec<Known>],
     inverse: &mut [Vec<f32>],
     support: &mut [Vec<f32>],
 ) {
     let pinholes: Vec<Pinhole> = images.iter().map(|image| Pinhole::new(image.view)).collect();
-    let sweeps = sweeps(images);
     inverse.par_iter_mut().zip(support).enumerate().for_each(|(of, (inverse, support))| {
-        let Some(sweep) = sweeps[of] else { return };
+        let Some(map) = &maps[of] else { return };
+        let step = map.sweep.step;
         let of_planes: Vec<Vec<f32>> =
             planes.iter().map(|plane| seen(plane, &pinholes[of], inverse.len())).collect();
-        let members = memberships(&images[of], &wanted[of], &known[of], &of_planes, TOLERANCE * sweep.step);
+        let members = memberships(&images[of], &wanted[of], &known[of], &of_planes, TOLERANCE * step);
         for pixel in (0..inverse.len()).filter(|&pixel| wanted[of][pixel] && !known[of][pixel].is_shared()) {
             let is_possible = |plane: &usize| {
                 let there = of_planes[*plane][pixel];
-                let most = NEARER * inverse[pixel].max(sweep.step);
+                let most = NEARER * inverse[pixel].max(step);
                 members[*plane][pixel] >= LEAST
                     && there < most
                     && !looks_different(&pinholes, images, known, of, pixel, there)
-                    && !is_seen_through(&pinholes, known, of, pixel, there, sweep.step)
+                    && !is_seen_through(&pinholes, known, of, pixel, there, step)
             };
             let by_membership = |a: &usize, b: &usize| members[*a][pixel].total_cmp(&members[*b][pixel]);
             if let Some(plane) = (0..planes.len()).filter(is_possible).max_by(by_membership) {
@@ -71,8 +72,7 @@ fn looks_different(
         let (at, z_m) = pinholes[other].pixel(point)?;
         let there = known.get(other).map(|known| known[at]).unwrap_or_default();
         let is_hidden = there.is_shared() && there.inverse > HIDDEN / z_m;
-        let by = std::iter::zip(own, images[other].colour[at]).map(|(a, b)| a.abs_diff(b)).max();
-        (!is_hidden).then(|| by.unwrap_or_default() > OTHER_COLOUR)
+        (!is_hidden).then(|| difference(own, images[other].colour[at]) > OTHER_COLOUR)
     };
     let mut seen = (0..images.len()).filter(|other| *other != of).filter_map(differs).peekable();
     seen.peek().is_some() && seen.all(|differs| differs)
@@ -132,11 +132,12 @@ mod tests {
         for at in (0..128).filter(|at| at % 16 < 6) {
             known[0][at] = Known { inverse: slanted(at), trust: SHARED };
         }
-        let planes = super::super::planes::shared_planes(&images, &known);
+        let maps = super::super::empty_maps(&images);
+        let planes = super::super::planes::shared_planes(&images, &maps, &known);
         assert_eq!(planes.len(), 1);
         let wanted = vec![vec![true; 128]; 2];
         let (mut inverse, mut support) = (vec![vec![0.25; 128]; 2], vec![vec![0.0; 128]; 2]);
-        extend(&planes, &images, &wanted, &known, &mut inverse, &mut support);
+        extend(&planes, &images, &wanted, &maps, &known, &mut inverse, &mut support);
         for at in (0..128).filter(|at| at % 16 >= 6) {
             let expected = if is_floor(at) { (slanted(at), 1.0) } else { (0.25, 0.0) };
             assert!((inverse[0][at] - expected.0).abs() < 1e-3, "{at}: {}", inverse[0][at]);

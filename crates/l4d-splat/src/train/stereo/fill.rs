@@ -1,7 +1,7 @@
 //! Inverse depth where it is not known: carried on from what is, along surfaces of one colour.
 
-use super::StereoImage;
 use super::agreement::Known;
+use super::{StereoImage, difference};
 
 /// Difference of colour that weakens the bond of two neighbours by a factor of e, bytes.
 const EDGE: f32 = 6.0;
@@ -56,9 +56,8 @@ impl Bonds {
             if !wanted[at] || !wanted[other] {
                 return 0.0;
             }
-            let differences =
-                image.colour[at].iter().zip(image.colour[other]).map(|(one, other)| one.abs_diff(other));
-            (-f32::from(differences.max().unwrap_or_default()) / edge).exp().max(WEAKEST)
+            let difference = difference(image.colour[at], image.colour[other]);
+            (-f32::from(difference) / edge).exp().max(WEAKEST)
         };
         let right = |at: usize| if (at + 1).is_multiple_of(width) { 0.0 } else { bond(at, at + 1) };
         let below = |at: usize| if at + width < wanted.len() { bond(at, at + width) } else { 0.0 };

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::super::pinhole::Pinhole;
 use super::agreement::Known;
-use super::{StereoImage, sweeps};
+use super::{DepthMap, StereoImage};
 
 /// Most planes of a scene.
 const MOST: usize = 10;
@@ -91,17 +91,21 @@ impl Sample {
 }
 
 /// The planes on which many shared pixels lie, the largest first (RANSAC, one plane after the other).
-pub(super) fn shared_planes(images: &[StereoImage<'_>], known: &[Vec<Known>]) -> Vec<ScenePlane> {
-    let mut samples = samples(images, known);
+pub(super) fn shared_planes(
+    images: &[StereoImage<'_>],
+    maps: &[Option<DepthMap>],
+    known: &[Vec<Known>],
+) -> Vec<ScenePlane> {
+    let mut samples = samples(images, maps, known);
     let origin = images.iter().map(|image| DVec3::from(image.view.centre())).sum::<DVec3>()
         / images.len().max(1) as f64;
     let least = LEAST.max((LEAST_SHARE * samples.len() as f32) as usize);
+    let reach = NEAR * images.first().map_or(0, |image| image.view.width()) as f32;
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let mut found = Vec::new();
     while found.len() < MOST && samples.len() >= least {
         let votes =
             |plane: &ScenePlane| samples.iter().step_by(VOTERS).filter(|sample| sample.is_on(plane)).count();
-        let reach = NEAR * images[0].view.width() as f32;
         let proposed = (0..TRIES).filter_map(|_| propose(&samples, origin, reach, &mut random));
         let Some(mut plane) = proposed.max_by_key(votes) else { break };
         for _ in 0..REFITS {
@@ -117,13 +121,13 @@ pub(super) fn shared_planes(images: &[StereoImage<'_>], known: &[Vec<Known>]) ->
     found
 }
 
-fn samples(images: &[StereoImage<'_>], known: &[Vec<Known>]) -> Vec<Sample> {
+fn samples(images: &[StereoImage<'_>], maps: &[Option<DepthMap>], known: &[Vec<Known>]) -> Vec<Sample> {
     let shared = known.iter().flatten().filter(|known| known.is_shared()).count();
     let every = shared.div_ceil(SAMPLES).max(1);
     let mut samples = Vec::with_capacity(SAMPLES);
     let mut count = 0;
-    for (view, (sweep, known)) in sweeps(images).into_iter().zip(known).enumerate() {
-        let Some(sweep) = sweep else { continue };
+    for (view, (map, known)) in maps.iter().zip(known).enumerate() {
+        let Some(DepthMap { sweep, .. }) = map else { continue };
         let pinhole = Pinhole::new(images[view].view);
         for (pixel, known) in known.iter().enumerate().filter(|(_, known)| known.is_shared()) {
             count += 1;
@@ -192,7 +196,8 @@ mod tests {
                     .collect()
             })
             .collect();
-        let found = shared_planes(&images, &known);
+        let maps = super::super::empty_maps(&images);
+        let found = shared_planes(&images, &maps, &known);
         let pinhole = Pinhole::new(images[1].view);
         for index in 0..2 {
             let is_it = |plane: &ScenePlane| {
@@ -203,6 +208,6 @@ mod tests {
             };
             assert!(found.iter().any(is_it), "wall {index} is not among {found:?}");
         }
-        assert!(shared_planes(&images, &[vec![], vec![], vec![]]).is_empty());
+        assert!(shared_planes(&images, &maps, &[vec![], vec![], vec![]]).is_empty());
     }
 }

@@ -1,7 +1,7 @@
 //! Semi-global matching: along paths through the picture a change of plane costs something, little for the next plane,
 //! more for any other, less where the colour changes too. The plane with the smallest sum over all paths wins.
 
-use super::{PlaneSweep, StereoImage};
+use super::{PlaneSweep, StereoImage, difference};
 
 /// Dearer matches, bytes, are none.
 const WORST_MATCH: u8 = 42;
@@ -103,8 +103,7 @@ fn add_path(
 }
 
 fn jump(colour: [u8; 3], from: [u8; 3]) -> u16 {
-    let difference = (0..3).map(|channel| u16::from(colour[channel].abs_diff(from[channel]))).max();
-    (JUMP * EDGE / (EDGE + difference.unwrap_or_default())).max(NEXT + 1)
+    (JUMP * EDGE / (EDGE + u16::from(difference(colour, from)))).max(NEXT + 1)
 }
 
 fn follow(now: &mut [u16], before: &[u16], costs: &[u8], jump: u16) {
