@@ -53,8 +53,8 @@ def check_card(release):
     for config in card.data.to_dict()["configs"]:
         entry = config["data_files"][0]
         table = datasets.load_dataset(str(release), config["config_name"], split=entry["split"])
-        lines = (release / entry["path"]).read_text().splitlines()
-        assert len(table) == len(lines), config
+        lines = (release / entry["path"]).with_suffix(".jsonl").read_text().splitlines()
+        assert table.to_list() == [json.loads(line) for line in lines], config
         print(f"  {config['config_name']}: {len(table)} rows, {', '.join(table.column_names)}")
 
 

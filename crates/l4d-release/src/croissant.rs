@@ -139,6 +139,7 @@ fn encoding(file: &str) -> &'static str {
     match file.rsplit('.').next().unwrap_or_default() {
         "tar" => "application/x-tar",
         "jsonl" => "application/jsonlines",
+        "parquet" => "application/vnd.apache.parquet",
         "json" => "application/json",
         "md" => "text/markdown",
         "cff" => "application/yaml",
@@ -160,6 +161,7 @@ fn about(file: &str) -> &'static str {
         _ if file.starts_with("shards/") => {
             "Pictures of a scene and split in the layout of WebDataset: colour, depth, ids, cameras and time."
         }
+        _ if file.ends_with(".parquet") => "The table of the same name, as Parquet.",
         _ if file.starts_with("tables/") => "A table, one JSON object a line.",
         _ => "About this release.",
     }

@@ -24,7 +24,7 @@ use crate::shards::{self, Encode, Shard};
 use crate::splats::{self, Splats};
 use crate::version::{self, Change, changes};
 use crate::votes::{self, Votes};
-use crate::{archive, codes, croissant, tables, words};
+use crate::{archive, codes, columnar, croissant, tables, words};
 
 /// What is to be released, and where.
 #[derive(Debug)]
@@ -253,6 +253,7 @@ fn write_all(
     let words = words::of(&plan.contents, &plan.gathered)?;
     for table in &tables {
         write_atomic(&home.join(table.path()), &table.bytes())?;
+        write_atomic(&home.join(table.parquet_path()), &columnar::bytes(table)?)?;
     }
     let sizes = plan.archives.iter().map(|archive| {
         let path = home.join(&archive.path);

@@ -9,6 +9,7 @@
 
 pub mod archive;
 pub mod codes;
+mod columnar;
 pub mod contents;
 mod croissant;
 pub mod day;

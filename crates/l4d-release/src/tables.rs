@@ -1,4 +1,5 @@
-//! The benchmark as tables, a JSON object per line: for viewers and loaders that open no archive.
+//! The benchmark as tables, for viewers and loaders that open no archive: each as lines of JSON and, in `columnar`, as
+//! Parquet.
 //!
 //! What a column is called, holds and means is in `templates/columns.json`; the metadata and the card repeat it.
 
@@ -56,6 +57,7 @@ pub(crate) struct Table {
 pub(crate) struct Card<'a> {
     name: &'a str,
     path: String,
+    parquet: String,
     about: &'a str,
     rows: usize,
 }
@@ -66,17 +68,29 @@ static COLUMNS: LazyLock<BTreeMap<String, Vec<Column>>> = LazyLock::new(|| {
 });
 
 impl Table {
-    /// Its path in a release.
+    /// Its path in a release, a JSON object a line.
     pub(crate) fn path(&self) -> String {
         format!("tables/{}.jsonl", self.name)
     }
 
+    /// Its path in a release, as Parquet.
+    pub(crate) fn parquet_path(&self) -> String {
+        format!("tables/{}.parquet", self.name)
+    }
+
+    /// A JSON object a line.
     pub(crate) fn bytes(&self) -> Vec<u8> {
         self.rows.iter().flat_map(|row| format!("{row}\n").into_bytes()).collect()
     }
 
     pub(crate) fn card(&self) -> Card<'_> {
-        Card { name: &self.name, path: self.path(), about: &self.about, rows: self.rows.len() }
+        Card {
+            name: &self.name,
+            path: self.path(),
+            parquet: self.parquet_path(),
+            about: &self.about,
+            rows: self.rows.len(),
+        }
     }
 }
 
