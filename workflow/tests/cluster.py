@@ -42,7 +42,7 @@ class Cluster:
     def __init__(self, folder, nodes=2, cpus=1, memory=16000, options=""):
         self.folder = Path(folder).resolve()
         self.names = [f"n{number}" for number in range(1, nodes + 1)]
-        self.daemons = {}
+        self.daemons, self.cpus = {}, cpus
         self.bin = self.folder / "bin"
         self.conf = self.folder / "slurm.conf"
         for name in ["bin", "run", "log", "state"]:
@@ -103,8 +103,18 @@ class Cluster:
             (self.folder / f"spool-{name}").mkdir(exist_ok=True)
             command = ["slurmd", "-D", "-N", name, "-f", self.conf]
         env = {**os.environ, "PATH": PATH}
+
+        def settle_down():
+            # A node has the cores that it says it has: its jobs inherit them.
+            if name in self.names:
+                first = self.names.index(name) * self.cpus
+                cores = sorted(os.sched_getaffinity(0))
+                os.sched_setaffinity(0, {cores[at % len(cores)] for at in range(first, first + self.cpus)})
+
         with (self.folder / "log" / f"{name}.out").open("ab") as out:
-            self.daemons[name] = subprocess.Popen(list(map(str, command)), stdout=out, stderr=out, env=env)
+            self.daemons[name] = subprocess.Popen(
+                list(map(str, command)), stdout=out, stderr=out, env=env, preexec_fn=settle_down
+            )
 
     def stop(self, name, by=signal.SIGTERM):
         """Ends one of the daemons."""
