@@ -257,7 +257,7 @@ def trained(options: argparse.Namespace, scene: str, said: str, scratch: Path) -
     kept = said == f"{SHIPPED}=" and options.stage == "train"
     folder = (options.work / options.profile / scene / "splats") if kept else scratch / scene
     arguments = ["--bench", options.bench, "--profile", options.profile, "--data", options.data]
-    arguments += ["--init", "sweep"] if options.stage == "sweep" else []
+    arguments += [] if options.stage == "sweep" else ["--depth"]
     said_json = call(
         options, said, "train-splats", scene, *arguments, "--out", folder, "--force", "--json"
     )

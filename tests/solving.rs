@@ -13,7 +13,7 @@ const SOLVE: &str = "solve --profile tiny --data data";
 /// One sentence about the scene.
 const QUERY: &str = "query ball 'The ball that rolls' --profile tiny --data data --grounder oracle";
 /// Enough iterations for two balls, so that they have an outline.
-const LEARNED: &str = "--gaussians 2500 --coarse 150 --unfold 20 --fine 400";
+const LEARNED: &str = "--depth --gaussians 2500 --coarse 150 --unfold 20 --fine 400";
 
 /// A folder with the scene, a model of it, clips of the model and a benchmark about it, all made once.
 pub(crate) fn world() -> Dir {
@@ -70,7 +70,7 @@ fn what_the_training_views_show_becomes_masks_of_the_held_out_one() {
     let dir = solved();
     let used = dir.value(&format!("results/{METHOD}/method.json"))["used"].clone();
     assert_eq!((&used["ground_truth"], &used["test_view"]), (&json!(true), &json!(false)));
-    assert_eq!(used["depth"], true, "train-splats learns from depth by default");
+    assert_eq!(used["depth"], true, "its model learned from depth");
     let scored = score(&dir, METHOD);
     for (field, at_least) in [("miou", 75.0), ("tube_iou", 75.0), ("macc", 99.0), ("select", 99.0)] {
         assert!(scored[field].as_f64().unwrap() > at_least, "{field} of {scored}");

@@ -34,7 +34,7 @@ fn tensors(dir: &Dir, folder: &str) -> Value {
 #[test]
 fn a_scene_is_learned_from_its_training_cameras() {
     let dir = scene();
-    let manifest = dir.json(format!("{TRAIN} --gaussians 2500 --coarse 150 --unfold 20 --fine 600"));
+    let manifest = dir.json(format!("{TRAIN} --depth --gaussians 2500 --coarse 150 --unfold 20 --fine 600"));
     let report = &manifest["report"];
     let number = |path: &str| report.pointer(path).and_then(Value::as_f64).unwrap();
     assert!(number("/test/psnr_db") > 24.0, "{report}");
@@ -122,13 +122,13 @@ fn a_folder_with_another_model_is_left_alone() {
 fn training_ends_with_the_track_of_its_model() {
     let dir = scene();
     let depth = "track: colour + depth (learned from rendered depth)\n";
-    let run = dir.succeed(format!("{TRAIN} {FEW}"));
+    let run = dir.succeed(format!("{TRAIN} {FEW} --depth"));
     assert!(run.stderr.ends_with(depth), "{run}");
-    let run = dir.succeed(format!("{TRAIN} {FEW}"));
+    let run = dir.succeed(format!("{TRAIN} {FEW} --depth"));
     assert!(run.stderr.contains("holds this model already") && run.stderr.ends_with(depth), "{run}");
-    assert_eq!(dir.json(format!("{TRAIN} {FEW}"))["track"], "colour+depth");
+    assert_eq!(dir.json(format!("{TRAIN} {FEW} --depth"))["track"], "colour+depth");
 
-    let blind = format!("{TRAIN} {FEW} --init sweep --out blind");
+    let blind = format!("{TRAIN} {FEW} --out blind");
     let run = dir.succeed(&blind);
     assert!(run.stderr.ends_with("track: colour\n"), "{run}");
     let manifest = dir.json(&blind);
@@ -136,6 +136,19 @@ fn training_ends_with_the_track_of_its_model() {
     // One that was shown depth is not passed off as one that was not.
     dir.edit("blind/checkpoint.json", "\"saw_depth\": false", "\"saw_depth\": true");
     dir.refuses(&blind, &["it was shown depth", "--force"]);
+}
+
+#[test]
+fn without_depth_no_byte_of_it_matters() {
+    let dir = scene();
+    dir.succeed(format!("{TRAIN} {FEW} --out first"));
+    for view in ["cam00", "cam01", "cam02", "cam03"] {
+        world::spoil_depth_and_ids(&dir.path("data"), view);
+    }
+    dir.succeed(format!("{TRAIN} {FEW} --out second"));
+    assert_eq!(tensors(&dir, "first"), tensors(&dir, "second"));
+    // Who asks for depth meets what was spoilt.
+    dir.refuses(format!("{TRAIN} {FEW} --depth --out third"), &[".exr", "channel `Z`"]);
 }
 
 #[test]
@@ -169,7 +182,7 @@ fn scenes_that_cannot_be_learned_are_refused_with_the_place_and_a_hint() {
     dir.write(frame, &bytes);
 
     dir.write("points3D.txt", "1 0.0 0.5 nan 10 20 30 0.1\n");
-    train(&dir, &format!("{FEW} --init points3D.txt")).refused(&["points3D.txt", "point 1"]);
+    train(&dir, &format!("{FEW} --points points3D.txt")).refused(&["points3D.txt", "point 1"]);
     assert!(!dir.path(SPLATS).exists());
 }
 
@@ -182,7 +195,7 @@ fn training_begins_at_given_points_too() {
     };
     dir.write("points3D.txt", (0..200).map(point).collect::<String>());
     let few = "--gaussians 400 --coarse 30 --unfold 2 --fine 30";
-    let manifest = dir.json(format!("{TRAIN} {few} --init points3D.txt --out model"));
-    assert_eq!((&manifest["init"], &manifest["saw_depth"]), (&json!("points3D.txt"), &json!(true)));
+    let manifest = dir.json(format!("{TRAIN} {few} --points points3D.txt --out model"));
+    assert_eq!((&manifest["init"], &manifest["saw_depth"]), (&json!("points3D.txt"), &json!(false)));
     assert!(manifest["report"]["test"]["psnr_db"].as_f64().unwrap() > 5.0);
 }

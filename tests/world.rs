@@ -80,6 +80,18 @@ pub(crate) fn blacken(data: &Path, camera: &str) {
     }
 }
 
+/// Gives all pixels of a camera a depth that cannot be, and other ids.
+pub(crate) fn spoil_depth_and_ids(data: &Path, camera: &str) {
+    let dir = SceneDir::new(data, SCENE);
+    for frame in Profile::Tiny.frames() {
+        let path = dir.frame(camera, frame);
+        let mut picture = read_frame(&path, UVec2::from_array(SIZE)).unwrap();
+        picture.surfaces.depth_m.fill(-1.0);
+        picture.surfaces.id.iter_mut().for_each(|id| *id = 1 - (*id).min(1));
+        write_frame(&path, &picture).unwrap();
+    }
+}
+
 /// What a camera sees of the twins at a canonical frame, with ids.
 pub(crate) fn twins_seen_by(camera: &Camera, frame: u32) -> Frame {
     world(&[ROLLING, RESTING]).look(camera, frame)

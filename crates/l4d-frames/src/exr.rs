@@ -1,7 +1,7 @@
 //! The file forms of a frame and of a drawn depth: one part, scan lines, ZIP, the channels of a [`Layout`].
 //!
 //! Nothing else is read: a file that any other layout would describe better was not written by l4d, and
-//! guessing would hide that. Who needs no ids may do without that channel alone. Sizes are checked against the
+//! guessing would hide that. Who needs no ids may do without that channel alone, who needs colour without both others. Sizes are checked against the
 //! expected ones before anything is allocated.
 
 use std::io::Cursor;
@@ -49,6 +49,8 @@ const DEPTH: Layout = Layout {
     ],
     verb: "render-splats",
 };
+/// The first channels of a frame.
+const COLOUR_CHANNELS: usize = 3;
 /// Those of a frame.
 const BYTES_PER_PIXEL: usize = 14;
 /// Room for the header, the offset table and what ZIP adds to data that it cannot shrink.
@@ -145,6 +147,23 @@ pub fn decode_frame(path: &Path, bytes: &[u8], size: UVec2) -> Result<Frame, Fra
 pub fn decode_seen(path: &Path, bytes: &[u8], size: UVec2) -> Result<Frame, FrameError> {
     let (surfaces, colour) = decode(path, bytes, size, FRAME.channels.len() - 1)?;
     Ok(Frame { surfaces, rgb: pixels(&colour) })
+}
+
+/// The colour in bytes that were read from `path`, linear and row-major; depth and ids may be missing, and are not looked at.
+///
+/// # Errors
+/// Bytes that are no frame of that size.
+pub fn decode_colour(path: &Path, bytes: &[u8], size: UVec2) -> Result<Vec<[f16; 3]>, FrameError> {
+    let mut samples = read_samples(path, bytes, size, &FRAME, COLOUR_CHANNELS)?;
+    samples.truncate(COLOUR_CHANNELS);
+    let Ok([FlatSamples::F16(blue), FlatSamples::F16(green), FlatSamples::F16(red)]) =
+        <[FlatSamples; COLOUR_CHANNELS]>::try_from(samples)
+    else {
+        return Err(FrameError::torn(path, &FRAME, "the channels are of other types"));
+    };
+    let colour = [blue, green, red];
+    check_colour(path, size, &colour)?;
+    Ok(pixels(&colour))
 }
 
 /// [`read_surfaces`] on bytes that were read from `path`.
@@ -344,21 +363,26 @@ fn check_headers(
 }
 
 fn check_values(path: &Path, surfaces: &Surfaces, colour: &[Vec<f16>; 3]) -> Result<(), FrameError> {
-    let fail = |place: String, message: String| {
-        let hint = "render the frame again with `l4d build-scenes`";
-        Err(FrameError::new(FrameError::VALUES, DataError::invalid(path, place, message, hint)))
-    };
-    if let Some((place, message)) = surfaces.value_problem() {
-        return fail(place, message);
+    match surfaces.value_problem() {
+        Some((place, message)) => Err(wrong_value(path, place, message)),
+        None => check_colour(path, UVec2::new(surfaces.width, surfaces.height), colour),
     }
+}
+
+fn check_colour(path: &Path, size: UVec2, colour: &[Vec<f16>; 3]) -> Result<(), FrameError> {
     let bad = colour.iter().filter_map(|channel| channel.iter().position(|light| !light.is_finite()));
     match bad.min() {
         None => Ok(()),
         Some(pixel) => {
-            let place = format!("channels `R G B`, row {}", pixel / surfaces.width as usize);
-            fail(place, "hold a colour that is not finite".to_owned())
+            let place = format!("channels `R G B`, row {}", pixel / size.x as usize);
+            Err(wrong_value(path, place, "hold a colour that is not finite".to_owned()))
         }
     }
+}
+
+fn wrong_value(path: &Path, place: String, message: String) -> FrameError {
+    let hint = "render the frame again with `l4d build-scenes`";
+    FrameError::new(FrameError::VALUES, DataError::invalid(path, place, message, hint))
 }
 
 fn type_name(sample_type: SampleType) -> &'static str {

@@ -9,7 +9,6 @@ mod report;
 mod stereo_error;
 
 use std::error::Error;
-use std::fmt;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -38,39 +37,6 @@ fn plain(error: impl Error) -> StageError {
 /// Held-out pictures that the progress shows the error of.
 const GLANCES: usize = 5;
 
-/// Where the first Gaussians are.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Initialisation {
-    /// On the surfaces that depth shows.
-    Depth,
-    /// On the surfaces that comparing pictures finds.
-    Sweep,
-    /// On the points of a COLMAP model.
-    Points(PathBuf),
-}
-
-impl std::str::FromStr for Initialisation {
-    type Err = std::convert::Infallible;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Ok(match text {
-            "depth" => Self::Depth,
-            "sweep" => Self::Sweep,
-            path => Self::Points(path.into()),
-        })
-    }
-}
-
-impl fmt::Display for Initialisation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Depth => f.write_str("depth"),
-            Self::Sweep => f.write_str("sweep"),
-            Self::Points(path) => path.display().fmt(f),
-        }
-    }
-}
-
 /// What is learned, and how.
 pub struct TrainingRequest<'a> {
     pub scene: &'a Name,
@@ -82,10 +48,10 @@ pub struct TrainingRequest<'a> {
     pub folder: PathBuf,
     /// Of the training.
     pub settings: Settings,
-    /// None for depth, or a sweep where there is none.
-    pub init: Option<Initialisation>,
-    /// What the user says of depth in the loss, if anything.
-    pub depth_weight: Option<f32>,
+    /// Learn from rendered depth as well as from colour.
+    pub sees_depth: bool,
+    /// Points of a COLMAP model at which to begin, in place of the surfaces that depth, or comparing pictures, shows.
+    pub points: Option<PathBuf>,
     /// Which pictures of a capture are taken, and how small.
     pub sampling: Sampling,
     /// How long what was learned is in memory alone.
@@ -122,11 +88,19 @@ impl Trained {
 pub fn train_scene(request: &TrainingRequest<'_>, progress: &dyn Progress) -> Result<Trained> {
     let begin = Instant::now();
     let source = PictureSource::open(request)?;
-    let init = request.init.clone().unwrap_or(match request.profile.is_rendered() {
-        true => Initialisation::Depth,
-        false => Initialisation::Sweep,
-    });
-    let initial = initial_points(&init)?;
+    let init = match (&request.points, request.sees_depth) {
+        (Some(path), _) => path.display().to_string(),
+        (None, true) => "depth".to_owned(),
+        (None, false) => "pictures".to_owned(),
+    };
+    let initial = match &request.points {
+        Some(path) => InitialPoints::Points(read_points(path)?),
+        None => InitialPoints::Surfaces,
+    };
+    let settings = Settings {
+        depth_weight: if request.sees_depth { request.settings.depth_weight } else { 0.0 },
+        ..request.settings.clone()
+    };
     progress.start("reading", source.picture_count());
     let input = Input::read(request.dir, &source, &|| progress.advance(1))?;
     let held_out = HeldOut::read(request.dir, &source, &|| progress.advance(1))?;
@@ -136,9 +110,9 @@ pub fn train_scene(request: &TrainingRequest<'_>, progress: &dyn Progress) -> Re
     let origin = Origin {
         scene: request.scene.clone(),
         profile: request.profile,
-        settings: serde_json::to_value(&request.settings).map_err(plain)?,
-        init: init.to_string(),
-        saw_depth: source.has_depth,
+        settings: serde_json::to_value(&settings).map_err(plain)?,
+        init,
+        saw_depth: source.sees_depth,
         track: source.track(),
         sampling: source.sampling,
         rasterizer: request.rasterizer.name(),
@@ -157,7 +131,7 @@ pub fn train_scene(request: &TrainingRequest<'_>, progress: &dyn Progress) -> Re
     }
 
     let begin = Instant::now();
-    let mut trainer = Trainer::new(&input.views, request.settings.clone(), &initial, request.rasterizer)
+    let mut trainer = Trainer::new(&input.views, settings, &initial, request.rasterizer)
         .map_err(plain)
         .at(request.dir.root().display())?;
     let prepare_seconds = begin.elapsed().as_secs_f64();
@@ -268,12 +242,4 @@ fn quality_of(trainer: &Trainer<'_>, held_out: &HeldOut, most: usize) -> Result<
 
 fn all_pictures(cameras: usize, moments: usize) -> Vec<(usize, usize)> {
     (0..cameras).flat_map(|camera| (0..moments).map(move |moment| (camera, moment))).collect()
-}
-
-fn initial_points(init: &Initialisation) -> Result<InitialPoints> {
-    Ok(match init {
-        // Views without depth are compared.
-        Initialisation::Depth | Initialisation::Sweep => InitialPoints::Depth,
-        Initialisation::Points(path) => InitialPoints::Points(read_points(path)?),
-    })
 }

@@ -9,7 +9,6 @@ use l4d_solve::clips::{DepthFormat, DepthKind};
 use l4d_splat::ShDegree;
 use l4d_splat::source::ReaderOptions;
 use l4d_splat::speed::Sweep;
-use l4d_splat::training_run::Initialisation;
 
 use super::solver::{BenchLiftArgs, MethodArgs, WorkArgs};
 use super::{number, one_of};
@@ -30,10 +29,13 @@ pub(crate) struct TrainSplatsArgs {
     /// Folder that receives the model; default: <work>/<profile>/<scene>/splats
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Where the first Gaussians are: depth, sweep (pictures are compared, and depth is not looked at), or the path of
-    /// COLMAP's points3D.txt or points3D.bin; default: depth, and sweep where there is none
-    #[arg(long, value_name = "INIT")]
-    pub(crate) init: Option<Initialisation>,
+    /// Learn from rendered depth too: where things are and what moves is then known, and methods that use the model are
+    /// ranked in the track colour + depth. Otherwise depth is found by comparing pictures
+    #[arg(long)]
+    pub(crate) depth: bool,
+    /// Begin at the points of COLMAP's points3D.txt or points3D.bin in place of the surfaces that depth shows
+    #[arg(long, value_name = "FILE")]
+    pub(crate) points: Option<PathBuf>,
     /// Make squares of N x N pixels of a capture's pictures one pixel
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub(crate) shrink: u32,
@@ -62,8 +64,7 @@ pub(crate) struct TrainSplatsArgs {
     /// Views of one moment that an iteration looks at; default: 2
     #[arg(long, value_name = "N")]
     pub(crate) views_per_iteration: Option<usize>,
-    /// What an error of depth costs beside one of colour; default: 0.1, nothing where there is no depth. With 0, and --init
-    /// with points, depth is not looked at
+    /// What an error of depth costs beside one of colour, with --depth; default: 0.1
     #[arg(long, value_name = "WEIGHT", value_parser = number::<f32>(0.0..))]
     pub(crate) depth_weight: Option<f32>,
     /// Stop after so many looks at the training pictures (one every 500 iterations) without progress; 0: never early;

@@ -104,7 +104,7 @@ fn steps(args: &QuickstartArgs, scene: &Name, folder: &Path) -> Vec<(&'static st
         ("Each query has exactly one referent among look-alikes", common("check-queries", &[])),
         ("A picture of it all", common("sheet", &[scene, "--data", &data])),
         (
-            "The training cameras become 4D Gaussians",
+            "Pictures of the training cameras become 4D Gaussians; rendered depth is not looked at",
             common("train-splats", &[scene, "--data", &data, "--work", &work]),
         ),
         (

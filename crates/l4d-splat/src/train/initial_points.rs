@@ -29,7 +29,7 @@ const BACKDROP_SHARE: usize = 16;
 pub(crate) enum InitialPoints {
     /// Points on the surfaces that depth shows, as it was measured or found by comparing pictures.
     #[default]
-    Depth,
+    Surfaces,
     /// Points from elsewhere.
     Points(Vec<ColouredPoint>),
 }
@@ -54,7 +54,7 @@ impl InitialPoints {
             backdrop(views, &thinned(&surface, SURFACE_POINTS), count / BACKDROP_SHARE);
         let count = count.saturating_sub(backdrop.len()).max(1);
         let mut points = match self {
-            Self::Depth => thinned(&surface, count),
+            Self::Surfaces => thinned(&surface, count),
             Self::Points(points) => {
                 let mut points = with_nearest_surface(points, &thinned(&surface, SURFACE_POINTS));
                 points.truncate(count);

@@ -80,7 +80,7 @@ impl<'a> Trainer<'a> {
         let motion = Motion::of(views, settings.dynamic_threshold);
         let anchor = busiest(views, &motion);
         let beginning = match initial {
-            InitialPoints::Depth => (settings.gaussians as f32 * BEGINNING) as usize,
+            InitialPoints::Surfaces => (settings.gaussians as f32 * BEGINNING) as usize,
             InitialPoints::Points(_) => settings.gaussians,
         };
         let (points, backdrop_m) = initial.points(views, &motion, anchor, beginning.max(1));

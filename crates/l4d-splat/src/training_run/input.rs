@@ -40,8 +40,9 @@ impl Input {
         }
         let (mut views, mut digests) = (empty(dir, source)?, Digests::new());
         for camera in source.training() {
-            // Ids are dropped as soon as they are decoded, if there are any: training never sees them.
-            let pictures = read_camera(source, camera, &mut digests, tick, |loaded| loaded.picture)?;
+            // Ids that come with depth are dropped as soon as they are decoded: training never sees them.
+            let load = |frame| source.load(camera, frame, source.sees_depth);
+            let pictures = read_camera(source, &load, &mut digests, tick, |loaded| loaded.picture)?;
             add(&mut views, dir, source, camera, pictures)?;
         }
         Ok(Self { views, digests })
@@ -54,8 +55,10 @@ impl HeldOut {
         let mut objects = Vec::new();
         if let Some(camera) = source.held_out() {
             let split = |loaded: LoadedPicture| (loaded.picture, loaded.objects);
+            // Depth says what moves, and is compared with, in both tracks.
+            let load = |frame| source.load(camera, frame, true);
             let (pictures, shown) =
-                read_camera(source, camera, &mut digests, tick, split)?.into_iter().unzip();
+                read_camera(source, &load, &mut digests, tick, split)?.into_iter().unzip();
             objects = shown;
             add(&mut views, dir, source, camera, pictures)?;
         }
@@ -92,13 +95,13 @@ fn add(
 /// One picture per moment; empty where the camera did not look.
 fn read_camera<T: Send + Default>(
     source: &PictureSource,
-    camera: &Camera,
+    load: &(dyn Fn(u32) -> Result<Option<LoadedPicture>> + Sync),
     digests: &mut Digests,
     tick: &(dyn Fn() + Sync),
     keep: impl Fn(LoadedPicture) -> T + Sync,
 ) -> Result<Vec<T>> {
     let read = |&frame: &u32| -> Result<(T, Option<(String, String)>)> {
-        let loaded = source.load(camera, frame)?;
+        let loaded = load(frame)?;
         tick();
         Ok(match loaded {
             Some(mut loaded) => {

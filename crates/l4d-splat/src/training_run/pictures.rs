@@ -11,10 +11,10 @@ use l4d_data::store::read_bounded;
 use l4d_data::workspace::how_scenes_are_made;
 use l4d_data::{Camera, DataError, Rig, Split, StageError, Timeline};
 use l4d_frames::drawn::RgbImage;
-use l4d_frames::exr::{decode_seen, read_bytes};
+use l4d_frames::exr::{decode_colour, decode_seen, read_bytes};
 use l4d_frames::{Display, Frame, photo};
 
-use super::{Initialisation, Result, TrainingRequest};
+use super::{Result, TrainingRequest};
 use crate::checkpoint::own::Sampling;
 use crate::train::Picture;
 
@@ -33,8 +33,8 @@ pub(super) struct PictureSource {
     pub(super) timeline: Timeline,
     /// Which pictures of a capture are loaded.
     pub(super) sampling: Option<Sampling>,
-    /// Whether depth is evaluated at.
-    pub(super) has_depth: bool,
+    /// Whether depth of the training views is learned from.
+    pub(super) sees_depth: bool,
 }
 
 enum Source {
@@ -98,21 +98,18 @@ impl PictureSource {
             frames: request.profile.frames().collect(),
             timeline: Timeline::CANONICAL,
             sampling: None,
-            has_depth: looks_at_depth(request),
+            sees_depth: request.sees_depth,
         })
     }
 
     fn of_capture(request: &TrainingRequest<'_>) -> Result<Self> {
         let TrainingRequest { dir, profile, .. } = request;
         let path = dir.rig(*profile);
-        let lacks_depth = |flag: &str, hint: &str| {
-            Err(StageError::new(format!("{flag}: {} has no depth", path.display()), hint.to_owned()))
-        };
-        if request.init == Some(Initialisation::Depth) {
-            return lacks_depth("--init depth", "say --init sweep, which compares pictures");
-        }
-        if request.depth_weight.is_some_and(|weight| weight > 0.0) {
-            return lacks_depth("--depth-weight", "leave it out");
+        if request.sees_depth {
+            return Err(StageError::new(
+                format!("--depth: {} has no depth", path.display()),
+                "leave it out: depth is found by comparing pictures",
+            ));
         }
         let rig = Rig::read(&path)?;
         let sampling = request.sampling;
@@ -133,7 +130,7 @@ impl PictureSource {
             frames: sampling.moments(&rig.clip(request.profile)),
             timeline: rig.timeline(),
             sampling: Some(sampling),
-            has_depth: false,
+            sees_depth: false,
             source: Source::Recorded {
                 dir: CaptureDir::new(dir.root().parent().unwrap_or(dir.root()), request.scene),
                 rig,
@@ -143,7 +140,7 @@ impl PictureSource {
 
     /// With whom methods are ranked that look at a model of these pictures.
     pub(super) fn track(&self) -> Track {
-        Track::of_depth(self.has_depth)
+        Track::of_depth(self.sees_depth)
     }
 
     /// Pictures that can be loaded.
@@ -165,10 +162,17 @@ impl PictureSource {
         self.cameras.iter().filter(|camera| camera.split == Split::Test).find(saw_something)
     }
 
-    /// What a camera saw; none where it did not look.
-    pub(super) fn load(&self, camera: &Camera, frame: u32) -> Result<Option<LoadedPicture>> {
+    /// What a camera saw; none where it did not look. Depth and ids of a rendered picture are not looked at unless asked for.
+    pub(super) fn load(
+        &self,
+        camera: &Camera,
+        frame: u32,
+        with_surfaces: bool,
+    ) -> Result<Option<LoadedPicture>> {
         match &self.source {
-            Source::Rendered { dir, display } => self.load_rendered(dir, display, camera, frame).map(Some),
+            Source::Rendered { dir, display } => {
+                self.load_rendered(dir, display, camera, frame, with_surfaces).map(Some)
+            }
             Source::Recorded { rig, .. } if !rig.saw(&camera.name, frame) => Ok(None),
             Source::Recorded { dir, rig } => self.load_capture(dir, rig, camera, frame).map(Some),
         }
@@ -180,18 +184,25 @@ impl PictureSource {
         display: &Display,
         camera: &Camera,
         frame: u32,
+        with_surfaces: bool,
     ) -> Result<LoadedPicture> {
         let path = dir.frame(&camera.name, frame);
         let size = UVec2::from_array(self.size);
         let bytes = read_bytes(&path, size).map_err(DataError::from)?;
-        let Frame { rgb, surfaces } = decode_seen(&path, &bytes, size).map_err(DataError::from)?;
-        let depth_m = surfaces.depth_m.iter().map(|&depth_m| f16::from_f32(depth_m));
+        let (rgb, surfaces) = if with_surfaces {
+            let Frame { rgb, surfaces } = decode_seen(&path, &bytes, size).map_err(DataError::from)?;
+            (rgb, Some(surfaces))
+        } else {
+            (decode_colour(&path, &bytes, size).map_err(DataError::from)?, None)
+        };
+        let depths = surfaces.iter().flat_map(|surfaces| &surfaces.depth_m);
+        let ids = surfaces.iter().flat_map(|surfaces| &surfaces.id);
         Ok(LoadedPicture {
             picture: Picture {
                 colour: rgb.iter().map(|pixel| pixel.map(|linear| display.byte(linear))).collect(),
-                depth_m: depth_m.take(if self.has_depth { usize::MAX } else { 0 }).collect(),
+                depth_m: depths.map(|&depth_m| f16::from_f32(depth_m)).collect(),
             },
-            objects: surfaces.id.iter().map(|id| OBJECT_IDS.contains(id)).collect(),
+            objects: ids.map(|id| OBJECT_IDS.contains(id)).collect(),
             file: path.strip_prefix(dir.root()).unwrap_or(&path).display().to_string(),
             sha256: sha256_hex(&bytes),
         })
@@ -223,15 +234,6 @@ impl PictureSource {
             file: path.strip_prefix(dir.root()).unwrap_or(&path).display().to_string(),
             sha256: sha256_hex(&bytes),
         })
-    }
-}
-
-/// Whether depth of a rendered scene has a say: as where Gaussians begin, or in the loss.
-fn looks_at_depth(request: &TrainingRequest<'_>) -> bool {
-    match &request.init {
-        None | Some(Initialisation::Depth) => true,
-        Some(Initialisation::Sweep) => false,
-        Some(Initialisation::Points(_)) => request.depth_weight != Some(0.0),
     }
 }
 

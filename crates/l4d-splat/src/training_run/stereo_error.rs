@@ -1,51 +1,70 @@
-//! How far off depths are that comparing pictures finds, on rendered scenes.
+//! How far off depths are that comparing pictures finds, and what models reach that learn from them, on rendered scenes.
+//!
+//! `L4D_SCENE` names the folder of a scene, `L4D_PROFILE` its profile.
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use l4d_data::Name;
+use l4d_data::{Name, Silent};
 
 use super::*;
 use crate::raster::Cpu;
 use crate::train::background_errors;
 
-/// Depths of what stands still in the pictures of a rendered scene: `L4D_SCENE` names its folder, `L4D_PROFILE` its profile.
-#[test]
-#[ignore = "measures: needs a rendered scene"]
-fn depths_of_backgrounds_against_the_truth() {
+fn with_request<T>(sees_depth: bool, folder: PathBuf, act: impl FnOnce(&TrainingRequest<'_>) -> T) -> T {
     let path = PathBuf::from(std::env::var_os("L4D_SCENE").unwrap());
     let name = Name::new(path.file_name().unwrap().to_str().unwrap()).unwrap();
     let profile: Profile = std::env::var("L4D_PROFILE").unwrap().parse().unwrap();
     let dir = SceneDir::new(path.parent().unwrap(), name.as_str());
-    let request = TrainingRequest {
+    act(&TrainingRequest {
         scene: &name,
         profile,
         dir: &dir,
-        folder: PathBuf::new(),
+        folder,
         settings: Settings::of_profile(profile),
-        init: Some(Initialisation::Depth),
-        depth_weight: None,
+        sees_depth,
+        points: None,
         sampling: Sampling { shrink: 1, every: 1 },
-        between_checkpoints: Duration::from_secs(60),
+        between_checkpoints: Duration::from_secs(3600),
         overwrite: false,
         stop: &AtomicBool::new(false),
         rasterizer: &Cpu::default(),
         adapter: None,
-    };
-    let source = PictureSource::open(&request).unwrap();
-    let input = Input::read(&dir, &source, &|| ()).unwrap();
-    let begin = Instant::now();
-    let mut errors = background_errors(&input.views);
-    let seconds = begin.elapsed().as_secs_f64();
+    })
+}
+
+/// Depths of what stands still.
+#[test]
+#[ignore = "measures: needs a rendered scene"]
+fn depths_of_backgrounds_against_the_truth() {
+    let mut errors = Vec::new();
+    let seconds = with_request(true, PathBuf::new(), |request| {
+        let source = PictureSource::open(request).unwrap();
+        let input = Input::read(request.dir, &source, &|| ()).unwrap();
+        let begin = Instant::now();
+        errors = background_errors(&input.views);
+        begin.elapsed().as_secs_f64()
+    });
     errors.sort_by(f32::total_cmp);
     let at = |share: f64| 100.0 * errors[(share * (errors.len() - 1) as f64) as usize];
     let right = 100.0 * errors.iter().filter(|error| **error < 0.01).count() as f64 / errors.len() as f64;
     println!(
-        "{name}: {} pixels, median {:.2} %, 75th {:.2} %, 90th {:.2} % of the distance; right to 1 %: {right:.1} %; {seconds:.1} s",
+        "{} pixels, median {:.2} %, 75th {:.2} %, 90th {:.2} % of the distance; right to 1 %: {right:.1} %; {seconds:.1} s",
         errors.len(),
         at(0.5),
         at(0.75),
         at(0.9)
     );
+}
+
+/// What a model reaches in the held-out view; with `L4D_DEPTH` one that learned from depth, too.
+#[test]
+#[ignore = "measures: needs a rendered scene"]
+fn errors_of_a_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let sees_depth = std::env::var_os("L4D_DEPTH").is_some();
+    with_request(sees_depth, folder.path().to_owned(), |request| {
+        println!("{}\n{}", request.scene, train_scene(request, &Silent).unwrap().table());
+    });
 }

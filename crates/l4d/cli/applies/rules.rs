@@ -104,6 +104,8 @@ pub(super) const RULES: &[Rule] = &[
     },
     // Splats.
     Rule { verbs: &["train-splats"], options: &["shrink", "every"], when: Is("profile", &["real"]) },
+    Rule { verbs: &["train-splats"], options: &["depth"], when: Is("profile", &["tiny", "small", "full"]) },
+    Rule { verbs: &["train-splats"], options: &["depth_weight"], when: With("depth") },
     Rule { verbs: &["render-splats"], options: &["frames", "orbit", "path"], when: Without("times") },
     Rule { verbs: &["render-splats"], options: &["orbit", "views"], when: Without("path") },
     Rule { verbs: &["view", "serve"], options: &["results"], when: With("methods") },

@@ -28,7 +28,7 @@ fn finish(trainer: &mut Trainer<'_>) {
 #[test]
 fn training_that_was_put_down_at_any_stage_ends_the_same() {
     let (views, cpu) = (PASSING.views(6), Cpu::new());
-    let begin = || Trainer::new(&views, settings(), &InitialPoints::Depth, &cpu).unwrap();
+    let begin = || Trainer::new(&views, settings(), &InitialPoints::Surfaces, &cpu).unwrap();
     let mut whole = begin();
     let unfold_start = whole.schedule.fine_start();
     let fine_start = whole.schedule.whole_start();
@@ -54,7 +54,7 @@ fn training_that_was_put_down_at_any_stage_ends_the_same() {
 fn what_moves_is_learned_where_it_is() {
     let (views, cpu) = (PASSING.views(6), Cpu::new());
     let longer = Settings { coarse: 150, unfold: 40, fine: 900, ..settings() };
-    let mut trainer = Trainer::new(&views, longer, &InitialPoints::Depth, &cpu).unwrap();
+    let mut trainer = Trainer::new(&views, longer, &InitialPoints::Surfaces, &cpu).unwrap();
     finish(&mut trainer);
     let picks: Vec<(usize, usize)> = (0..6).map(|moment| (1, moment)).collect();
     let quality = trainer.measure(&picks).unwrap();
@@ -67,11 +67,11 @@ fn what_moves_is_learned_where_it_is() {
 #[test]
 fn a_scene_that_stands_still_needs_no_field() {
     let (views, cpu) = (World::EMPTY.views(3), Cpu::new());
-    let mut trainer = Trainer::new(&views, settings(), &InitialPoints::Depth, &cpu).unwrap();
+    let mut trainer = Trainer::new(&views, settings(), &InitialPoints::Surfaces, &cpu).unwrap();
     finish(&mut trainer);
     assert_eq!((trainer.model().field.is_none(), trainer.model().dynamic.len()), (true, 0));
     let all = Settings { dynamic_threshold: 0.0, ..settings() };
-    let mut trainer = Trainer::new(&views, all, &InitialPoints::Depth, &cpu).unwrap();
+    let mut trainer = Trainer::new(&views, all, &InitialPoints::Surfaces, &cpu).unwrap();
     finish(&mut trainer);
     // All but the backdrop.
     assert!(10 * trainer.model().dynamic.len() > 9 * trainer.model().gaussians.len());
@@ -80,25 +80,25 @@ fn a_scene_that_stands_still_needs_no_field() {
 #[test]
 fn one_moment_and_absurd_settings() {
     let (views, cpu) = (PASSING.views(1), Cpu::new());
-    let mut trainer = Trainer::new(&views, settings(), &InitialPoints::Depth, &cpu).unwrap();
+    let mut trainer = Trainer::new(&views, settings(), &InitialPoints::Surfaces, &cpu).unwrap();
     finish(&mut trainer);
     let refused = |change: fn(&mut Settings)| {
         let mut settings = settings();
         change(&mut settings);
-        Trainer::new(&views, settings, &InitialPoints::Depth, &cpu).err().unwrap().to_string()
+        Trainer::new(&views, settings, &InitialPoints::Surfaces, &cpu).err().unwrap().to_string()
     };
     assert!(refused(|settings| settings.gaussians = 0).contains("`gaussians` is 0"));
     assert!(refused(|settings| settings.dynamic_threshold = f32::NAN).contains("`dynamic_threshold` is NaN"));
     assert!(refused(|settings| settings.views = 0).contains("`views`"));
     let empty = TrainingViews::new([4, 4], vec![0], l4d_data::Timeline::CANONICAL).unwrap();
-    let error = Trainer::new(&empty, settings(), &InitialPoints::Depth, &cpu).err().unwrap();
+    let error = Trainer::new(&empty, settings(), &InitialPoints::Surfaces, &cpu).err().unwrap();
     assert!(error.to_string().contains("no cameras"), "{error}");
 }
 
 #[test]
 fn a_checkpoint_without_its_state_is_refused_by_name() {
     let (views, cpu) = (PASSING.views(3), Cpu::new());
-    let mut trainer = Trainer::new(&views, settings(), &InitialPoints::Depth, &cpu).unwrap();
+    let mut trainer = Trainer::new(&views, settings(), &InitialPoints::Surfaces, &cpu).unwrap();
     let mut checkpoint = trainer.checkpoint();
     checkpoint.training.tensors.remove("splats/means/0/second");
     assert!(trainer.resume(checkpoint).unwrap_err().to_string().contains("`splats/means/0/second`"));
