@@ -126,7 +126,7 @@ fn splats_are_learned_from_pictures_alone_and_never_from_the_held_out_ones() {
     let test = &manifest["report"]["test"];
     assert!(number(&test["psnr_db"]) > 22.0 && number(&test["psnr_moving_db"]) > 18.0, "{test}");
     let sampling = json!({"shrink": 1, "every": 1});
-    assert_eq!((&manifest["init"], &manifest["sampling"]), (&json!("sweep"), &sampling));
+    assert_eq!((&manifest["init"], &manifest["sampling"]), (&json!("pictures"), &sampling));
     let trained_on = manifest["trained_on"].as_object().unwrap();
     assert_eq!(trained_on.len(), 5 * 9);
     assert!(trained_on.keys().all(|file| !file.contains("cam00")));
