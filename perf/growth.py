@@ -1,11 +1,11 @@
 """How the cost of each stage grows from `tiny` over `small` to `full`: seconds a picture and memory, exponents over pixels.
 
     cargo build --release
-    python perf/growth.py run SCENE --work work/growth       # measures what was not measured yet; renders SCENE without light
+    python perf/growth.py run SCENE --work work/growth       # measures what was not measured yet
     python perf/growth.py table --work work/growth --figure docs/pictures/growth.svg
 
-Stages: colour (4 samples a pixel, two views and frames), depth and ids (`--samples 0`, the whole scene), `check-scenes`,
-`baseline` and `score` (one scene), and drawing a model of as many Gaussians as the profile has, forward. An exponent is
+Stages: colour (4 samples a pixel), depth and ids (`--samples 0`), `check-scenes` of a whole scene, `baseline` and `score` of
+one scene, and drawing a made-up model of as many Gaussians as the profile has, forward. An exponent is
 the slope of a straight line through the logarithms: 1 means as many times the seconds as pixels.
 """
 
@@ -13,7 +13,6 @@ import argparse
 import json
 import math
 import os
-import re
 import subprocess
 import sys
 import time
@@ -36,7 +35,8 @@ def call(options, *words):
     process = subprocess.Popen(command, cwd=options.work, stdout=subprocess.PIPE, text=True)
     said = process.stdout.read()
     _, status, usage = os.wait4(process.pid, 0)
-    if os.waitstatus_to_exitcode(status):
+    # Findings are 1.
+    if os.waitstatus_to_exitcode(status) > 1:
         sys.exit(f"{' '.join(command)} failed")
     return time.monotonic() - began, usage.ru_maxrss / 1024, said
 
@@ -55,16 +55,17 @@ def measure(options, profile):
 
     # Differences of two runs each, so that starting Blender and building the scene drop out.
     stride = 96 // (frames - 1)
-    some = ["--samples", 4, "--views", "cam02,cam09"]
+    some = ["--samples", 4, "--views", options.views]
     rendered(f"colour/{profile}", "--tracks-only")
     fewer, _, _ = rendered(f"colour/{profile}", *some, "--frames", "48")
     more, memory, _ = rendered(f"colour/{profile}", *some, "--frames", f"0-{3 * stride - 1}")
     found["colour"] = ((more - fewer) / 4, memory)
-    data = f"data/{profile}"
-    rendered(data, "--tracks-only")
-    fewer, _, _ = rendered(data, "--samples", 0, "--frames", "48")
-    rest, memory, _ = rendered(data, "--samples", 0)
-    found["depth and ids"] = ((rest - fewer) / (pictures - 2 * views), memory)
+    rendered(f"depth/{profile}", "--tracks-only")
+    fewer, _, _ = rendered(f"depth/{profile}", "--samples", 0, "--frames", "48")
+    more, memory, _ = rendered(f"depth/{profile}", "--samples", 0, "--frames", f"0-{4 * stride - 1}")
+    found["depth and ids"] = ((more - fewer) / (3 * views), memory)
+    data = options.data.resolve() / profile
+    rendered(data, "--samples", 0)
     seconds, memory, _ = call(options, "check-scenes", *common, "--data", data, "--scenes", options.scene)
     found["check-scenes"] = (seconds / pictures, memory)
     one = [*common, "--scenes", options.scene]
@@ -75,13 +76,8 @@ def measure(options, profile):
     found["score"] = (seconds / frames, memory)
     drawn = ["bench", "splats", "--gaussians", gaussians, "--size", f"{size[0]}x{size[1]}", "--sweeps", "rasterizer"]
     _, memory, said = call(options, *drawn, "--repeats", 3, "--out", f"bench/{profile}", "--force", "--json")
-    found["draw"] = (first_number(said, "ms") / 1e3, memory)
+    found["draw"] = (json.loads(said)["rows"][0]["picture_ms"] / 1e3, memory)
     return found
-
-
-def first_number(text, name):
-    """The first value of a field whose name begins so."""
-    return float(re.search(rf'"{name}[a-z_]*": ?([0-9.eE+-]+)', text).group(1))
 
 
 def run(options):
@@ -165,6 +161,8 @@ if __name__ == "__main__":
     running.add_argument("scene")
     running.add_argument("--l4d", type=Path, default=ROOT / "target/release/l4d")
     running.add_argument("--bench", type=Path, default=ROOT / "benchmark")
+    running.add_argument("--data", type=Path, default=ROOT / "work/growth/data", help="whole scenes, a folder a profile")
+    running.add_argument("--views", default="cam05,cam09", help="two training views that all profiles have")
     running.add_argument("--blender", type=Path, default=ROOT / "work", help="folder of the Blender environment")
     tabling = verbs.add_parser("table")
     tabling.add_argument("--figure", type=Path)
