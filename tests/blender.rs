@@ -89,7 +89,9 @@ fn the_quickstart_ends_with_a_leaderboard() {
 
     let solver = &scores["panopticquery-panoptic"];
     assert!(solver["miou"].as_f64().unwrap() > 10.0, "the ranked row says nothing: {solver}");
-    assert!(scores["panopticquery-oracle"]["miou"].as_f64().unwrap() > 60.0);
+    // Four cameras 30 degrees apart, and no rendered depth.
+    assert!(scores["panopticquery-oracle"]["miou"].as_f64().unwrap() > 35.0);
+    assert!(said.contains("track: colour\n"), "the model's track is not named:\n{said}");
     assert!(said.contains("leaderboard/index.html"), "the page is not named:\n{said}");
     every_query_has_its_ending(&said);
     proposed_sentences_are_answered(&said);
