@@ -117,7 +117,7 @@ def figure(curves):
     points = [point for curve in curves.values() for point in curve]
     low = [math.floor(math.log10(min(axis))) for axis in zip(*points)]
     high = [math.ceil(math.log10(max(axis))) for axis in zip(*points)]
-    left, top, width, height = 70, 20, 420, 340
+    left, top, width, height = 84, 20, 420, 340
 
     def place(x, y):
         across = (math.log10(x) - low[0]) / (high[0] - low[0])

@@ -89,8 +89,9 @@ fn the_quickstart_ends_with_a_leaderboard() {
 
     let solver = &scores["panopticquery-panoptic"];
     assert!(solver["miou"].as_f64().unwrap() > 10.0, "the ranked row says nothing: {solver}");
-    // Four cameras 30 degrees apart, and no rendered depth.
-    assert!(scores["panopticquery-oracle"]["miou"].as_f64().unwrap() > 35.0);
+    let oracle = scores["panopticquery-oracle"]["miou"].as_f64().unwrap();
+    assert!(oracle > 35.0, "from pictures of four cameras far apart: {oracle}");
+    assert!(oracle_with_depth(&out) > 60.0);
     assert!(said.contains("track: colour\n"), "the model's track is not named:\n{said}");
     assert!(said.contains("leaderboard/index.html"), "the page is not named:\n{said}");
     every_query_has_its_ending(&said);
@@ -99,6 +100,18 @@ fn the_quickstart_ends_with_a_leaderboard() {
     check_against_shipped_truth(&out.join("benchmark"));
     let again = succeed(&mut quickstart);
     assert!(again.contains("rendered 0 pictures"), "a second quickstart rendered again:\n{again}");
+}
+
+/// mIoU of the oracle grounder on a model of the quickstart's scene that learned from rendered depth.
+fn oracle_with_depth(out: &Path) -> f64 {
+    for verb in ["train-splats room_playroom --depth", "solve --grounder oracle --results deep/results"] {
+        let mut command =
+            l4d(&format!("{verb} --profile tiny --bench benchmark --data data --work deep/work"));
+        succeed(command.current_dir(out));
+    }
+    let mut score = l4d("score deep/results --profile tiny --bench benchmark --scores deep/scores --json");
+    let document: Value = serde_json::from_slice(&score.current_dir(out).output().unwrap().stdout).unwrap();
+    document["methods"][0]["miou"].as_f64().unwrap()
 }
 
 fn every_query_has_its_ending(said: &str) {

@@ -252,6 +252,7 @@ fn pictures_may_be_shrunk_and_left_out() {
     let frames: Vec<&String> = view["pictures"].as_object().unwrap().keys().collect();
     assert_eq!(frames, ["0002", "0005", "0008"]);
 
+    dir.refuses(format!("{train} --depth-weight 0.1"), &["--depth-weight", "add --depth"]);
     dir.refuses(format!("{train} --depth"), &["--depth", "--profile tiny or small or full"]);
     dir.refuses("train-splats cave --profile real", &["there is no scene", "l4d import-scene"]);
     dir.edit("data/captures/twins/capture.json", "\"width\": 128", "\"width\": 127");

@@ -71,13 +71,19 @@ def answers(folder):
     return files(folder / "results" / METHOD / "masks"), counts
 
 
-def snakemake(folder, *options, engine="local", env=None, **config):
-    """Runs the workflow in a folder; its output, both streams, if it ended well."""
+def command_line(*options, engine="local", **config):
+    """What is typed to run the workflow."""
     command = [sys.executable, "-m", "snakemake", "--snakefile", ROOT / "workflow" / "Snakefile"]
     command += ["--workflow-profile", PROFILES / engine, *options]
     command += ["--config", *(f"{name}={value}" for name, value in config.items())]
+    return list(map(str, command))
+
+
+def snakemake(folder, *options, engine="local", env=None, **config):
+    """Runs the workflow in a folder; its output, both streams, if it ended well."""
+    command = command_line(*options, engine=engine, **config)
     env = {**(env or os.environ), "XDG_CACHE_HOME": str(folder / "cache")}
-    done = subprocess.run(list(map(str, command)), cwd=folder, env=env, text=True, capture_output=True)
+    done = subprocess.run(command, cwd=folder, env=env, text=True, capture_output=True)
     output = done.stdout + done.stderr
     assert done.returncode == 0, output
     return output

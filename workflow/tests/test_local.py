@@ -4,10 +4,9 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import time
 
-from conftest import METHOD, PROFILES, ROOT, SCENE, answers, config, job_counts, snakemake
+from conftest import METHOD, SCENE, answers, command_line, config, job_counts, snakemake
 
 
 def test_a_scene_becomes_a_board_and_stays_one(rendered, bare, l4d):
@@ -20,10 +19,7 @@ def test_a_scene_becomes_a_board_and_stays_one(rendered, bare, l4d):
 
 
 def test_a_killed_run_goes_on(rendered, bare, l4d):
-    command = [sys.executable, "-m", "snakemake", "--snakefile", ROOT / "workflow" / "Snakefile", "--cores", "1"]
-    command += ["--workflow-profile", PROFILES / "local"]
-    command += ["--config", *(f"{name}={value}" for name, value in config(l4d).items())]
-    command = list(map(str, command))
+    command = command_line("--cores", 1, **config(l4d))
     running = subprocess.Popen(command, cwd=rendered, start_new_session=True, stderr=subprocess.DEVNULL)
     splats = rendered / "work" / "tiny" / SCENE / "splats"
     end = time.monotonic() + 120

@@ -1,8 +1,8 @@
 //! The file forms of a frame and of a drawn depth: one part, scan lines, ZIP, the channels of a [`Layout`].
 //!
 //! Nothing else is read: a file that any other layout would describe better was not written by l4d, and
-//! guessing would hide that. Who needs no ids may do without that channel alone, who needs colour without both others. Sizes are checked against the
-//! expected ones before anything is allocated.
+//! guessing would hide that. Who needs no ids may do without that channel alone, who needs colour without both
+//! others. Sizes are checked against the expected ones before anything is allocated.
 
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -149,7 +149,8 @@ pub fn decode_seen(path: &Path, bytes: &[u8], size: UVec2) -> Result<Frame, Fram
     Ok(Frame { surfaces, rgb: pixels(&colour) })
 }
 
-/// The colour in bytes that were read from `path`, linear and row-major; depth and ids may be missing, and are not looked at.
+/// The colour in bytes that were read from `path`, linear and row-major. Depth and ids may be missing; where they are
+/// there, they are dropped unchecked.
 ///
 /// # Errors
 /// Bytes that are no frame of that size.

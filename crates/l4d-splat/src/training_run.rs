@@ -88,14 +88,12 @@ impl Trained {
 pub fn train_scene(request: &TrainingRequest<'_>, progress: &dyn Progress) -> Result<Trained> {
     let begin = Instant::now();
     let source = PictureSource::open(request)?;
-    let init = match (&request.points, request.sees_depth) {
-        (Some(path), _) => path.display().to_string(),
-        (None, true) => "depth".to_owned(),
-        (None, false) => "pictures".to_owned(),
-    };
-    let initial = match &request.points {
-        Some(path) => InitialPoints::Points(read_points(path)?),
-        None => InitialPoints::Surfaces,
+    let (init, initial) = match &request.points {
+        Some(path) => (path.display().to_string(), InitialPoints::Points(read_points(path)?)),
+        None => {
+            let surfaces = if request.sees_depth { "depth" } else { "pictures" };
+            (surfaces.to_owned(), InitialPoints::Surfaces)
+        }
     };
     let settings = Settings {
         depth_weight: if request.sees_depth { request.settings.depth_weight } else { 0.0 },

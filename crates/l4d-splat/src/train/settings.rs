@@ -135,8 +135,8 @@ impl Settings {
         match profile {
             Profile::Tiny => Self { gaussians: 5000, coarse: 400, unfold: 30, fine: 1000, ..small },
             Profile::Small => small,
-            // Colour alone says what moves, and without depth no depth can be learned.
-            Profile::Real => Self { gaussians: 40_000, dynamic_threshold: 0.2, depth_weight: 0.0, ..small },
+            // Colour alone says what moves.
+            Profile::Real => Self { gaussians: 40_000, dynamic_threshold: 0.2, ..small },
             Profile::Full => Self { gaussians: 60_000, fine: 12_000, resolution: 64, ..small },
         }
     }

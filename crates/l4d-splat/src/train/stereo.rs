@@ -3,7 +3,8 @@
 //! Smaller pictures are compared first, plane by plane: a plane sweep with semi-global matching (Hirschmüller 2008), twice,
 //! the second time with what the views agreed on. From there each pixel looks for the slanted patch that fits best, at full
 //! size. What views do not share is carried on from what they do; where most of the pictures is wanted, along the planes
-//! on which much lies (floors, walls). Planes of a sweep are even in inverse depth, about a pixel of parallax apart, so that the unit of the world does not matter. Knows neither time nor motion.
+//! on which much lies (floors, walls). Planes of a sweep are even in inverse depth, about a pixel of parallax apart, so
+//! that the unit of the world does not matter. Knows neither time nor motion.
 
 mod agreement;
 mod cost;
