@@ -9,6 +9,8 @@ mod colmap;
 mod crop;
 mod densify;
 mod depth;
+#[cfg(test)]
+mod hard_cases;
 mod initial_points;
 mod loss;
 mod missing;

@@ -73,7 +73,7 @@ impl World {
 }
 
 /// About -1 to 1, nowhere the same.
-fn grain(at: glam::DVec3) -> f64 {
+pub(super) fn grain(at: glam::DVec3) -> f64 {
     let wave =
         |x: f64, y: f64| (7.3 * x + 2.1 * (1.9 * y).sin()).sin() * (5.9 * y + 1.7 * (3.1 * x).sin()).sin();
     0.5 * wave(at.x, at.y) + 0.5 * wave(2.3 * at.y + 0.7, 1.7 * at.x)
