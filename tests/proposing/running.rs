@@ -1,4 +1,5 @@
-//! Runs that stop, go on, are divided, recorded or refused.
+//! `l4d propose-prompts` as a whole run: resumed after an error, stopped by a budget, divided into shards, recorded and
+//! replayed, and refused for scenes that are incomplete.
 
 use l4d_data::json;
 use l4d_data::layout::SceneDir;
@@ -9,7 +10,7 @@ use super::scripted::{Seen, Server, Turn, completion, ok, says, thinks};
 use super::stage::*;
 
 #[test]
-fn nothing_is_asked_twice() {
+fn a_second_run_asks_only_about_scenes_without_an_answer() {
     let (dir, left_out) = stage(&[CUPS, CATS]);
     let [cups, cats] = [0, 2].map(|index| answer(&[proposal(&dir, &left_out[index])]));
     let error = Turn::Say(500, Vec::new(), "{\"error\":{\"message\":\"out of order\"}}".to_owned());
@@ -33,7 +34,7 @@ fn nothing_is_asked_twice() {
 }
 
 #[test]
-fn a_budget_stops_and_a_plan_sends_nothing() {
+fn a_budget_stops_a_run_and_a_dry_run_sends_nothing() {
     let (dir, left_out) = stage(&[CUPS, CATS]);
     let mut wordy = completion(&answer(&[proposal(&dir, &left_out[0])]));
     wordy["usage"] = json!({ "prompt_tokens": 3000, "completion_tokens": 5000, "total_tokens": 8000 });
@@ -78,7 +79,7 @@ fn shards_divide_the_scenes_and_recordings_need_no_server() {
 }
 
 #[test]
-fn scenes_that_do_not_fit_are_named() {
+fn missing_and_mismatched_scenes_are_named_and_nothing_is_asked() {
     let (dir, _) = stage(&[CUPS]);
     let server = Server::start(vec![says("never asked")]);
     endpoint(&dir, &server, "");

@@ -1,4 +1,5 @@
-//! Messages into [`crate::update`], and the effects that come out of it.
+//! What goes into [`crate::update`] (messages: keys, ticks, results of effects) and what comes out of it (effects: work
+//! that the session does outside the model). Knows neither keys nor the terminal's protocol.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,12 +13,13 @@ use crate::picture::{ExportRequest, Picture, PictureRequest};
 #[derive(Debug, Clone)]
 pub(crate) enum Message {
     Digit(char),
+    /// The answer that no object fits the prompt.
     None,
-    /// The prompt could mean several things; the reason is asked.
+    /// The prompt could mean several things; the annotator is asked for the reason.
     Ambiguous,
     Accept,
     Back,
-    /// Take everything back that was not saved.
+    /// Discard everything that was not saved.
     Clear,
     Edit(InputRequest),
     Paste(String),
@@ -25,9 +27,11 @@ pub(crate) enum Message {
     StepFrame(i64),
     StepView(i64),
     Play,
+    /// The answer holds from the shown frame on.
     HoldsFrom,
     HoldsUntil,
     HoldsAlways,
+    /// Steps in, or out if negative.
     Zoom(i32),
     /// Zoom to the chosen objects, or out to the whole picture.
     ZoomToChosen,
@@ -50,7 +54,7 @@ pub(crate) enum Message {
     Resize(Size),
     Tick,
     Painted(Arc<Picture>),
-    /// A picture cannot be shown, and why.
+    /// A picture cannot be shown; the text says why.
     NotPainted(PictureRequest, String),
     Recorded(Result<Recorded, String>),
     Sealed(Result<(), String>),
@@ -63,7 +67,7 @@ pub(crate) enum Message {
 pub(crate) struct Recorded {
     pub(crate) item: ItemId,
     pub(crate) event: Event,
-    /// What the log says about it now.
+    /// The answer to the item after the event, as the log has it.
     pub(crate) response: Response,
     /// The item that an undo would change now.
     pub(crate) undoable: Option<ItemId>,
@@ -91,7 +95,7 @@ pub(crate) enum Effect {
     Seal,
     /// Write a picture to a file and answer with [`Message::Exported`].
     Export(ExportRequest),
-    /// Draw every cell again: what was on the screen is not what the terminal shows.
+    /// Draw every cell again: the terminal may show something else than what was last drawn.
     Redraw,
     Quit,
 }

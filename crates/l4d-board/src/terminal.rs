@@ -1,4 +1,4 @@
-//! The board as aligned text for a terminal, at most [`WIDTH`] columns wide.
+//! The board as aligned text for a terminal, at most [`WIDTH`] columns wide. Ranks and compares nothing itself.
 
 use l4d_data::Category;
 use l4d_data::results::Track;
@@ -9,7 +9,7 @@ use l4d_score::{Estimate, Metric};
 use crate::board::{Board, Method};
 use crate::tables::p_text;
 
-/// No line is wider.
+/// Of a line, columns.
 const WIDTH: usize = 100;
 
 const HEADLINES: [Metric; 4] = [Metric::Miou, Metric::Macc, Metric::TubeIou, Metric::Select];
@@ -17,7 +17,7 @@ const NUMBER_WIDTH: usize = 8;
 const RANK_WIDTH: usize = 4;
 const SECONDS_WIDTH: usize = 9;
 const UNRANKED: &str = "not ranked, shown for scale";
-/// In place of intervals and tests.
+/// Printed in place of intervals and tests.
 pub(crate) const ONE_SCENE: &str =
     "One scene says nothing of others: no intervals, no p values, and no method is called best.";
 
@@ -26,10 +26,10 @@ pub fn text_table(board: &Board) -> String {
     let cells_width = (HEADLINES.len() + Category::ALL.len()) * NUMBER_WIDTH + SECONDS_WIDTH;
     let name_width = name_width(board.methods.iter(), cells_width);
     let mut lines = wrap(&board.heading.line(), WIDTH);
-    let over = RANK_WIDTH + 1 + name_width + HEADLINES.len() * NUMBER_WIDTH;
-    let categories = Category::ALL.len() * NUMBER_WIDTH;
+    let indent = RANK_WIDTH + 1 + name_width + HEADLINES.len() * NUMBER_WIDTH;
+    let categories_width = Category::ALL.len() * NUMBER_WIDTH;
     lines.push(String::new());
-    lines.push(format!("{:over$}{:>categories$}", "", "mIoU per category"));
+    lines.push(format!("{:indent$}{:>categories_width$}", "", "mIoU per category"));
     let titles = ["mIoU", "mAcc", "tube", "select", "attrib.", "action", "spatial", "inter."];
     let titles = titles.map(|title| format!("{title:>NUMBER_WIDTH$}")).concat();
     lines.extend(row("rank", "method", name_width, &format!("{titles}{:>SECONDS_WIDTH$}", "seconds")));
@@ -52,8 +52,8 @@ pub fn text_table(board: &Board) -> String {
     lines.join("\n")
 }
 
-/// What the means of the board can tell, as lines of text: intervals, and by how much each method is ahead of the next
-/// of its track.
+/// How sure the order of the board is, as lines of text: the interval of each mIoU, and how far each method is ahead of
+/// the next of its track.
 pub fn text_statistics(board: &Board) -> String {
     const VALUE_WIDTH: usize = 22;
     const SHORT_WIDTH: usize = 9;
@@ -91,14 +91,14 @@ pub fn text_statistics(board: &Board) -> String {
         let own = own.unwrap_or_else(|| "-".to_owned());
         lines.extend(line(&rank(method), &method.name, [&own, &ahead, &p, &detectable]));
     }
-    let mut about = "Intervals are clustered by scene.".to_owned();
+    let mut legend = "Intervals are clustered by scene.".to_owned();
     if !neighbours.is_empty() {
-        about.push_str(
+        legend.push_str(
             " p: by flipping the signs of scenes, corrected for all pairs of the track (Holm); detect.: a true difference \
              of so many points would be found four times in five.",
         );
     }
-    lines.extend(wrap(&about, WIDTH));
+    lines.extend(wrap(&legend, WIDTH));
     if is_rough {
         lines.push(format!("Fewer than {FEW_SCENES} scenes: intervals may be too narrow."));
     }
@@ -109,7 +109,7 @@ pub fn text_statistics(board: &Board) -> String {
     lines.join("\n")
 }
 
-/// Above the methods that are ranked with each other.
+/// The line above the methods of a track.
 fn track_line(track: Track) -> String {
     format!("track: {}", track.title())
 }
@@ -118,13 +118,13 @@ fn rank(method: &Method) -> String {
     method.rank.map_or_else(|| "-".to_owned(), |rank| rank.to_string())
 }
 
-/// As wide as the longest name, or as there is room beside the cells.
+/// Width of the longest name, at most what the cells leave of a line; columns.
 fn name_width<'a>(methods: impl Iterator<Item = &'a Method>, cells_width: usize) -> usize {
     let longest = methods.map(|method| method.name.len()).max().unwrap_or(0);
     longest.clamp("method".len(), WIDTH - RANK_WIDTH - 1 - cells_width)
 }
 
-/// A row of a table; a name that is too long goes on below.
+/// A row of a table; a name that is too long is continued on the lines below.
 fn row(rank: &str, name: &str, name_width: usize, cells: &str) -> Vec<String> {
     let mut pieces = split(name, name_width).into_iter();
     let first = pieces.next().unwrap_or_default();
@@ -153,8 +153,9 @@ fn split(name: &str, width: usize) -> Vec<&str> {
     let mut pieces = Vec::new();
     let mut rest = name;
     while rest.len() > width {
-        let seam = rest[..width].rfind(['_', '-', '.']).map(|at| at + 1).filter(|&at| at > width / 2);
-        let (piece, tail) = rest.split_at(seam.unwrap_or(width));
+        let separator_end =
+            rest[..width].rfind(['_', '-', '.']).map(|at| at + 1).filter(|&at| at > width / 2);
+        let (piece, tail) = rest.split_at(separator_end.unwrap_or(width));
         pieces.push(piece);
         rest = tail;
     }
@@ -168,7 +169,7 @@ mod tests {
     use crate::sample;
 
     #[test]
-    fn texts_are_the_hand_made_ones() {
+    fn tables_fit_the_width_and_match_their_snapshots() {
         let mut one_scene = sample::board(14);
         one_scene.heading.scenes = 1;
         assert_eq!(text_statistics(&one_scene), ONE_SCENE);
@@ -185,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn long_names_break_at_seams_and_stay_whole() {
+    fn long_names_break_after_separators_and_lose_nothing() {
         assert_eq!(split("short", 21), ["short"]);
         assert_eq!(
             split("panopticquery-robust-without-consensus", 21),

@@ -1,4 +1,5 @@
-//! Findings: what a check reports. A check collects every problem instead of stopping at the first.
+//! Findings: what a check reports. A check collects every problem instead of stopping at the first. Knows no codes but
+//! its own: those are where the problems are found.
 
 use std::path::Path;
 
@@ -10,7 +11,7 @@ use crate::error::{DataError, inert};
 /// memory with them.
 pub const MAX_FINDINGS: usize = 10_000;
 
-/// Code of the finding in the place of those that were not kept.
+/// Code of the finding that says how many were not kept.
 pub const NOT_LISTED: &str = "L4D001";
 
 /// How bad a finding is. Errors make a check fail, warnings do not.
@@ -19,7 +20,7 @@ pub const NOT_LISTED: &str = "L4D001";
 pub enum Severity {
     /// The check fails.
     Error,
-    /// Worth a look.
+    /// The check passes; a person should look at it.
     Warning,
 }
 
@@ -33,11 +34,10 @@ pub struct Finding {
     pub location: String,
     /// Stable code, `L4D` and three digits.
     pub code: &'static str,
-    /// Error or warning.
     pub severity: Severity,
     /// What is wrong.
     pub message: String,
-    /// What to do.
+    /// What to do about it.
     pub hint: String,
 }
 
@@ -45,7 +45,7 @@ pub struct Finding {
 #[derive(Debug, Default, Clone)]
 pub struct Report {
     findings: Vec<Finding>,
-    /// How many were not kept.
+    /// Number of findings beyond [`MAX_FINDINGS`].
     unlisted: usize,
     /// Whether one of those was an error.
     has_unlisted_error: bool,
@@ -76,20 +76,20 @@ impl Report {
         self.push(Severity::Warning, code, path, location.into(), message.into(), hint.into());
     }
 
-    /// Adds what a reader refused.
+    /// Adds an error with which reading a file failed.
     pub fn data_error(&mut self, code: &'static str, error: &DataError) {
         let (location, message) = error.place_and_message();
         self.push(Severity::Error, code, error.path(), location, message, error.hint().to_owned());
     }
 
-    /// Takes over the findings of another report.
+    /// Adds the findings of another report, and its count of those that were not kept.
     pub fn extend(&mut self, other: Report) {
         self.unlisted += other.unlisted;
         self.has_unlisted_error |= other.has_unlisted_error;
         other.findings.into_iter().for_each(|finding| self.add(finding));
     }
 
-    /// Takes over a finding of another check.
+    /// Adds a finding; beyond [`MAX_FINDINGS`] it is counted only.
     pub fn add(&mut self, finding: Finding) {
         if self.findings.len() < MAX_FINDINGS {
             self.findings.push(finding);
@@ -99,7 +99,7 @@ impl Report {
         }
     }
 
-    /// The findings, sorted by path, then place; last one in the place of those that were not kept.
+    /// The findings, sorted by path, then location. If some were not kept, a last finding says how many.
     pub fn into_sorted(mut self) -> Vec<Finding> {
         self.findings.sort();
         if self.unlisted > 0 {
@@ -139,7 +139,8 @@ impl Report {
         message: String,
         hint: String,
     ) {
-        // Untrusted names end up everywhere: they must not steer a terminal, nor pass for another finding.
+        // Names come from untrusted files: their control characters must not reach a terminal, and their line breaks
+        // must not begin what looks like another finding.
         self.add(Finding {
             path: inert(&path.display().to_string()),
             location: inert(&location),
@@ -173,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn names_cannot_steer_a_terminal() {
+    fn control_characters_in_names_do_not_reach_a_terminal() {
         let mut report = Report::default();
         let name = Path::new("a\u{1b}]0;gotcha\u{7}\n0 findings");
         report.error("L4D998", name, "frame \u{9b}2J\nb", "bad \u{1b}[2J", "mend \u{202e}[2J");

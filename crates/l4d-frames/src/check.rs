@@ -1,8 +1,8 @@
-//! `l4d check-scenes`: whether a rendered scene keeps its contract and agrees with itself, with its tracks and
-//! with the committed truth.
+//! `l4d check-scenes`: whether the files of a rendered scene have the format that `docs/formats.md` promises, and
+//! whether its views agree with each other, with its tracks and with the committed truth.
 //!
 //! Collects findings instead of stopping. Pictures are streamed: all views of one frame are in memory at once,
-//! never two frames. Nothing is written or mended.
+//! never two frames. Nothing is written or repaired.
 
 mod boxes;
 mod checksums;
@@ -25,7 +25,7 @@ use crate::truth::TruthBuilder;
 
 pub use gates::visibility_problem;
 
-/// What to check.
+/// The scene to check.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
     /// Folder that holds the folder of the scene.
@@ -36,14 +36,14 @@ pub struct Request<'a> {
     pub scene: &'a Name,
 }
 
-/// What was looked at, and how well the views agree.
+/// Counts of what was checked, and how well the views agree.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SceneStats {
     pub scene: Name,
-    /// Whether nothing but warnings was found.
+    /// Whether there are no errors; there may be warnings.
     pub good: bool,
     pub views: usize,
-    /// Frames a view.
+    /// Frames per view.
     pub frames: usize,
     /// Pictures that could be read.
     pub pictures: usize,
@@ -99,26 +99,26 @@ pub fn check_scene(request: Request, tick: &dyn Fn()) -> (Option<SceneStats>, Re
     (Some(stats), report)
 }
 
-/// What lacks of a scene whose rendering has not ended, and how it goes on.
+/// Message and hint for a scene whose rendering was interrupted; none for any other.
 fn interrupted(request: Request, dir: &SceneDir) -> Option<(String, String)> {
     if dir.scene().exists() || !dir.root().join("frames").exists() {
         return None;
     }
     let committed = || Tracks::read(&request.bench.tracks(request.scene));
     let tracks = Tracks::read(&dir.tracks()).or_else(|_| committed()).ok()?;
-    let (mut all, mut there) = (0, 0);
+    let (mut all, mut present) = (0, 0);
     for camera in tracks.views(request.profile) {
         for frame in request.profile.frames() {
             all += 1;
-            there += usize::from(dir.frame(&camera.name, frame).is_file());
+            present += usize::from(dir.frame(&camera.name, frame).is_file());
         }
     }
-    let go_on = format!("`l4d build-scenes --profile {} --scenes {}`", request.profile, request.scene);
-    let message = match all - there {
+    let command = format!("`l4d build-scenes --profile {} --scenes {}`", request.profile, request.scene);
+    let message = match all - present {
         0 => format!("is missing: the render was interrupted when all {all} pictures were there"),
         lacking => format!("is missing: the render was interrupted, and {lacking} of {all} pictures lack"),
     };
-    Some((message, format!("run {go_on}, which goes on with what lacks")))
+    Some((message, format!("run {command}, which goes on with what lacks")))
 }
 
 fn read_tracks(request: Request, report: &mut Report) -> Option<Tracks> {

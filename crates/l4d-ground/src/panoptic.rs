@@ -31,7 +31,7 @@ use l4d_query::soft::Ranked;
 use l4d_query::verbs;
 use serde_json::{Value, json};
 
-pub use self::elements::Elements;
+pub use self::elements::GaussianProjector;
 pub use self::fused::Fused;
 pub use self::given::{Given, Part};
 
@@ -274,7 +274,7 @@ mod tests {
     /// A wall of Gaussians, one behind each pixel.
     struct Wall;
 
-    impl Elements for Wall {
+    impl GaussianProjector for Wall {
         fn gather(&self, _: &ViewClip, _: u32, pixels: &[f32], _: usize) -> Result<Vec<f32>, StageError> {
             Ok(pixels.to_vec())
         }

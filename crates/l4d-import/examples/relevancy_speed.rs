@@ -12,7 +12,9 @@ use std::time::Instant;
 
 use l4d_data::DataError;
 use l4d_formats::arrays;
-use l4d_import::results::relevancy::{Decoder, Engine, Latents, Rules, Smoothing, TextsFile, answer};
+use l4d_import::results::relevancy::{
+    Decoder, Engine, Latents, Rules, Smoothing, TextEmbeddingsFile, answer,
+};
 use std::io::Write as _;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -23,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let smoothing = if smoothing == "box30" { Smoothing::Box30 } else { Smoothing::Pool29 };
     let rules = Rules { smoothing, threshold: 0.4, stretch_positive: false };
     let decoder = Decoder::read(Path::new(decoder))?;
-    let texts = TextsFile::read(Path::new(texts))?.texts;
+    let texts = TextEmbeddingsFile::read(Path::new(texts))?.texts;
     let engine = Engine::new(&decoder, &texts).ok_or("the decoder does not end in the width of the texts")?;
     let start = Instant::now();
     let mut masks = Vec::new();

@@ -2,7 +2,7 @@
 //! allocates, so that it is a test program of its own.
 
 use l4d_import::results::relevancy::decoder::Layer;
-use l4d_import::results::relevancy::{Decoder, Engine, Latents, Rules, Smoothing, Texts, answer};
+use l4d_import::results::relevancy::{Decoder, Engine, Latents, Rules, Smoothing, TextEmbeddings, answer};
 use peak_alloc::PeakAlloc;
 
 #[global_allocator]
@@ -24,7 +24,7 @@ fn a_frame_takes_room_for_its_maps_and_not_for_embeddings() {
     });
     let decoder = Decoder::new(layers.collect()).unwrap();
     let vectors = |count: usize| (0..count * 512).map(|index| number(index * 7 + count)).collect();
-    let texts = Texts::new(512, vectors(SENTENCES), vectors(4)).unwrap();
+    let texts = TextEmbeddings::new(512, vectors(SENTENCES), vectors(4)).unwrap();
     let engine = Engine::new(&decoder, &texts).unwrap();
     let pixels = (WIDTH * HEIGHT) as usize;
     let data: Vec<f32> = (0..pixels * 3).map(number).collect();

@@ -1,25 +1,24 @@
-//! Pictures of instance numbers as PNG: palette pictures as DAVIS writes them, and grey ones.
+//! PNG pictures with an instance id for each pixel: palette pictures as DAVIS has them, and grey ones.
 //!
-//! A palette's colours mean nothing here, its indices are the numbers. Colour pictures are refused: which colour is
-//! which instance is in no file.
+//! A palette's colours mean nothing here, its indices are the ids. Colour pictures are refused: no file says which
+//! colour is which instance.
 
 use std::io::Cursor;
 
 use crate::mask::Mask;
 use crate::png::PngError;
 
-/// A number a pixel, row-major; 0 is nothing.
+/// An instance id for each pixel; 0 is none.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct IdPicture {
-    /// Columns.
     pub width: u32,
-    /// Rows.
     pub height: u32,
+    /// Row-major.
     pub ids: Vec<u32>,
 }
 
 impl IdPicture {
-    /// Numbers that occur, ascending, 0 left out.
+    /// Ids that occur, ascending, without 0.
     pub fn present(&self) -> Vec<u32> {
         let mut present: Vec<u32> = self.ids.iter().copied().filter(|&id| id != 0).collect();
         present.sort_unstable();
@@ -27,40 +26,41 @@ impl IdPicture {
         present
     }
 
-    /// The pixels of a number.
     pub fn mask(&self, id: u32) -> Mask {
         let width = self.width as usize;
         Mask::from_fn(self.width, self.height, |col, row| self.ids[row as usize * width + col as usize] == id)
     }
 }
 
-/// A palette picture with the colours of PASCAL VOC and DAVIS; the same numbers give the same bytes.
+/// Encodes row-major ids as a palette picture with the colours of PASCAL VOC and DAVIS; the same ids give the same
+/// bytes.
 ///
 /// # Panics
-/// If there is not one number a pixel.
-pub fn encode_palette(width: u32, height: u32, numbers: &[u8]) -> Vec<u8> {
-    assert_eq!(numbers.len() as u64, u64::from(width) * u64::from(height), "one number a pixel");
+/// If there is not one id for each pixel.
+pub fn encode_palette(width: u32, height: u32, ids: &[u8]) -> Vec<u8> {
+    assert_eq!(ids.len() as u64, u64::from(width) * u64::from(height), "one number a pixel");
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width, height);
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_palette((0..=255).flat_map(colour_of).collect::<Vec<u8>>());
     let written = encoder.write_header().and_then(|mut writer| {
-        writer.write_image_data(numbers)?;
+        writer.write_image_data(ids)?;
         writer.finish()
     });
     written.expect("writing to memory with as many bytes as the header says cannot fail");
     file
 }
 
-/// PASCAL VOC's colour of a number: its bits go in threes to red, green and blue, the lowest to the highest bit.
-fn colour_of(number: u8) -> [u8; 3] {
+/// PASCAL VOC's colour of an id: its bits, from the lowest, go to red, green and blue in turn, and fill these from the
+/// highest bit down.
+fn colour_of(id: u8) -> [u8; 3] {
     let mut colour = [0; 3];
     for group in 0..3 {
         for (channel, value) in colour.iter_mut().enumerate() {
             let place = 3 * group + channel;
             if place < 8 {
-                *value |= (number >> place & 1) << (7 - group);
+                *value |= (id >> place & 1) << (7 - group);
             }
         }
     }
@@ -70,7 +70,7 @@ fn colour_of(number: u8) -> [u8; 3] {
 /// Decodes a palette picture (the indices) or a grey one of 1 to 16 bits (the values).
 ///
 /// # Errors
-/// Bytes that are no such PNG.
+/// Bytes that are no such PNG, or are damaged.
 pub fn decode(bytes: &[u8]) -> Result<IdPicture, PngError> {
     let damaged = |error: png::DecodingError| PngError::Damaged(error.to_string());
     let (width, height) = crate::png::sane_size(bytes)?;
@@ -87,19 +87,19 @@ pub fn decode(bytes: &[u8]) -> Result<IdPicture, PngError> {
     let mut samples = vec![0; row_bytes * height as usize];
     reader.next_frame(&mut samples).map_err(damaged)?;
     reader.finish().map_err(damaged)?;
-    let ids = samples.chunks_exact(row_bytes).flat_map(|row| numbers(row, bits, width as usize));
+    let ids = samples.chunks_exact(row_bytes).flat_map(|row| samples_of_row(row, bits, width as usize));
     Ok(IdPicture { width, height, ids: ids.collect() })
 }
 
-/// The numbers of a row whose pixels have so many bits.
-fn numbers(row: &[u8], bits: usize, width: usize) -> impl Iterator<Item = u32> {
+/// Unpacks the samples of a row, `bits` each, the first in the highest bits (PNG, section 7.2).
+fn samples_of_row(row: &[u8], bits: usize, width: usize) -> impl Iterator<Item = u32> {
     (0..width).map(move |col| match bits {
         16 => u32::from(u16::from_be_bytes([row[2 * col], row[2 * col + 1]])),
         8 => u32::from(row[col]),
         _ => {
-            let first = col * bits;
-            let shift = 8 - bits - first % 8;
-            u32::from(row[first / 8] >> shift) & ((1 << bits) - 1)
+            let first_bit = col * bits;
+            let shift = 8 - bits - first_bit % 8;
+            u32::from(row[first_bit / 8] >> shift) & ((1 << bits) - 1)
         }
     })
 }
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn palettes_have_the_colours_of_davis_and_keep_their_numbers() {
+    fn palettes_have_the_colours_of_davis_and_keep_their_ids() {
         assert_eq!(
             [1, 2, 3, 4, 8].map(colour_of),
             [[128, 0, 0], [0, 128, 0], [128, 128, 0], [0, 0, 128], [64, 0, 0]]

@@ -2,7 +2,7 @@
 //!
 //! Everything else is refused rather than guessed: a palette's index is no truth value, and a grey of 128 may
 //! mean either side. Size and kind are read from the header before anything is allocated, and a stream is followed no
-//! further than the picture goes.
+//! further than the picture goes. Knows one mask at a time; pictures of many ids are in [`crate::ids`].
 
 use std::io::Cursor;
 
@@ -10,10 +10,9 @@ use png::{BitDepth, ColorType};
 
 use crate::mask::Mask;
 
-/// Why bytes are no mask, with what to do about it.
+/// Why bytes are no mask.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PngError {
-    /// Not a PNG at all.
     #[error("is no PNG file")]
     NotPng,
     /// Another size than was asked for.
@@ -24,7 +23,7 @@ pub enum PngError {
         /// Width and height that were asked for, pixels.
         expected: (u32, u32),
     },
-    /// A side that no decoder should make room for.
+    /// A side so long that a decoder should not allocate for it.
     #[error("is {}x{}, but each side must have 1 to {} pixels", found.0, found.1, Mask::MAX_SIDE)]
     AbsurdSize {
         /// Width and height in the file, pixels.
@@ -33,7 +32,7 @@ pub enum PngError {
     /// Colour, palette, alpha or another depth.
     #[error("is {kind}, but a mask is 1-bit or 8-bit grayscale, without alpha, row by row")]
     Kind {
-        /// What it is.
+        /// What it is instead.
         kind: String,
     },
     /// A grey that is neither inside nor outside.
@@ -47,7 +46,7 @@ pub enum PngError {
         /// The value of the inside pixels before it, if there were any.
         other: Option<u8>,
     },
-    /// Truncated, bad checksum, bad stream.
+    /// Truncated, a wrong checksum, or a stream that does not decode.
     #[error("is damaged: {0}")]
     Damaged(String),
 }
@@ -89,7 +88,7 @@ pub fn decode(bytes: &[u8], width: u32, height: u32) -> Result<Mask, PngError> {
     decode_any(bytes)
 }
 
-/// Decodes a mask of whatever sane size.
+/// Decodes a mask of any size up to [`Mask::MAX_SIDE`] on each side.
 ///
 /// # Errors
 /// Bytes that are no such PNG.
@@ -110,7 +109,7 @@ pub(crate) fn sane_size(bytes: &[u8]) -> Result<(u32, u32), PngError> {
     if Mask::is_sane_size(found.0, found.1) { Ok(found) } else { Err(PngError::AbsurdSize { found }) }
 }
 
-/// Hands on the rows of a picture of 1-bit or 8-bit grayscale.
+/// Gives the rows of a 1-bit or 8-bit grayscale picture to `take`, from the top.
 fn read_rows(
     bytes: &[u8],
     mut take: impl FnMut(BitDepth, &[u8]) -> Result<(), PngError>,
@@ -118,7 +117,7 @@ fn read_rows(
     let (_, height) = sane_size(bytes)?;
     check_chunks(bytes)?;
     let mut options = png::DecodeOptions::default();
-    // All of them have been compared.
+    // `check_chunks` has compared them all.
     options.set_ignore_checksums(true);
     options.set_ignore_text_chunk(true);
     options.set_ignore_iccp_chunk(true);
@@ -151,7 +150,7 @@ fn read_rows(
     Ok(())
 }
 
-/// Checks that chunks follow each other to the end mark and have the checksums that they state.
+/// Checks that chunks follow each other to IEND and have the checksums that they state.
 fn check_chunks(bytes: &[u8]) -> Result<(), PngError> {
     let cut = || PngError::Damaged("it ends before its end mark".to_owned());
     let mut rest = &bytes[8..];
@@ -198,11 +197,12 @@ fn damaged(error: png::DecodingError) -> PngError {
     PngError::Damaged(error.to_string())
 }
 
+/// The value beside 0 that the mask uses, for the message.
 fn partner(other: Option<u8>) -> String {
     other.map_or_else(|| "1 or 0 and 255".to_owned(), |value| value.to_string())
 }
 
-/// A mask as its rows come in.
+/// A mask whose rows are added from the top.
 struct Rows {
     mask: Mask,
     row: u32,
@@ -221,15 +221,15 @@ impl Rows {
     }
 
     fn push_bits(&mut self, bytes: &[u8]) {
-        let used = self.mask.width() % 64;
+        let used_bits = self.mask.width() % 64;
         let words = self.mask.row_words_mut(self.row);
         for (word, bytes) in words.iter_mut().zip(bytes.chunks(8)) {
             let mut eight = [0; 8];
             eight[..bytes.len()].copy_from_slice(bytes);
             *word = u64::from_be_bytes(eight).reverse_bits();
         }
-        if let Some(last) = words.last_mut().filter(|_| used != 0) {
-            *last &= (1 << used) - 1;
+        if let Some(last) = words.last_mut().filter(|_| used_bits != 0) {
+            *last &= (1 << used_bits) - 1;
         }
     }
 

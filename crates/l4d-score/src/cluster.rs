@@ -1,13 +1,13 @@
-//! Means over queries with intervals that know that the queries of a scene hang together.
+//! Means over queries with confidence intervals clustered by scene.
 //!
-//! Queries of one scene share objects, cameras and a model, so they are no independent draws: the scene is the unit.
+//! Queries of one scene share objects, cameras and a model, so they are not independent: the scene is the unit.
 //! The standard error is cluster-robust (Liang and Zeger, Biometrika 1986). The interval is studentized (bootstrap-t;
-//! Cameron, Gelbach and Miller, Review of Economics and Statistics 2008): whole scenes are drawn [`RESAMPLES`] times, as
-//! often as there are scenes, and each draw says how many of its own standard errors its mean is off. Unlike a percentile
-//! interval it follows skewed values, and it holds the true mean of 21 simulated scenes about as often as it says. Below
-//! [`FEW_SCENES`] the interval is Student's.
+//! Cameron, Gelbach and Miller, Review of Economics and Statistics 2008): each of [`RESAMPLES`] resamples draws as many
+//! scenes as there are, with replacement, and has a t statistic: how many of its own standard errors its mean is off.
+//! Unlike a percentile interval this one follows skewed values; with 21 simulated scenes its coverage is about the
+//! nominal one. Below [`FEW_SCENES`] the interval is Student's.
 //!
-//! The module knows values and scenes; it refuses to say what is good. Differences of two methods: [`crate::compare`].
+//! The module knows values and scenes, not whether more is better. Differences of two methods: [`crate::compare`].
 
 use std::collections::BTreeMap;
 
@@ -19,34 +19,33 @@ use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
 use crate::metrics::{QueryTally, Ratios};
 
-/// Draws behind each interval.
+/// Bootstrap resamples behind each interval.
 pub const RESAMPLES: usize = 4000;
-/// Intervals from fewer scenes than this may be too narrow: simulated ones hold the true mean 85 to 95 times in 100.
+/// Intervals from fewer scenes than this may be too narrow: in simulations their coverage is 85 to 95 %.
 pub const FEW_SCENES: usize = 8;
-/// Share that lies below an interval, and above it.
+/// Probability below an interval, and above it.
 pub(crate) const TAIL: f64 = 0.025;
-/// With more draws of this share in which nothing differs, draws cannot say how far a mean may be off.
-const MOST_FLAT_DRAWS: f64 = 0.01;
-/// Relative to the values: what differs less differs by rounding alone.
+/// Share of resamples without any spread beyond which the bootstrap is not used: these have no t statistic.
+const MAX_DEGENERATE_SHARE: f64 = 0.01;
+/// Relative to the values: smaller differences are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// A mean over queries, and how far it may be off.
+/// A mean over queries with its standard error and confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// Mean over queries.
     pub value: f64,
     /// Cluster-robust standard error of the mean; none from a single scene.
     pub standard_error: Option<f64>,
-    /// 95 % interval, low and high; none from a single scene, which says nothing of others.
+    /// 95 % confidence interval, low and high; none from a single scene.
     pub interval: Option<[f64; 2]>,
-    /// Queries that it rests on.
+    /// Number of queries.
     pub queries: usize,
-    /// Scenes that they come from.
+    /// Number of scenes that they come from.
     pub scenes: usize,
 }
 
 impl Estimate {
-    /// The mean of values that belong to scenes; none without values.
+    /// The mean of values, each with its scene; none without values. The seed is that of the bootstrap.
     pub fn of<'a>(values: impl IntoIterator<Item = (&'a Name, f64)>, seed: u64) -> Option<Self> {
         Some(Sample::of(values)?.estimate(seed))
     }
@@ -74,7 +73,7 @@ impl Estimate {
         Some(Sample::of(gains(before, after, ratio))?.estimate(seed).within(-100.0, 100.0))
     }
 
-    /// Cuts the interval to what the mean can be at all.
+    /// Clamps the interval to the range of the mean.
     pub fn within(self, low: f64, high: f64) -> Self {
         Self { interval: self.interval.map(|interval| interval.map(|end| end.clamp(low, high))), ..self }
     }
@@ -95,7 +94,7 @@ impl Estimate {
     }
 }
 
-/// What a ratio gains query by query, percentage points, with the scene of each.
+/// Paired differences of a ratio by query, percentage points, each with its scene.
 pub(crate) fn gains<'a>(
     before: impl IntoIterator<Item = &'a QueryTally>,
     after: impl IntoIterator<Item = &'a QueryTally>,
@@ -114,12 +113,12 @@ pub(crate) struct SceneSum {
     pub(crate) queries: f64,
 }
 
-/// Values of scenes.
+/// Values grouped by scene.
 #[derive(Debug, Clone)]
 pub(crate) struct Sample {
-    /// By the names of the scenes.
+    /// In the order of the scenes' names.
     pub(crate) scenes: Vec<SceneSum>,
-    /// Values in all.
+    /// Number of values in all.
     pub(crate) queries: f64,
 }
 
@@ -141,9 +140,9 @@ impl Sample {
         self.scenes.iter().map(|scene| scene.total).sum::<f64>() / self.queries
     }
 
-    /// Degrees of freedom of a standard error.
-    pub(crate) fn freedom(&self) -> f64 {
-        freedom(self.queries, self.scenes.iter().map(|scene| scene.queries * scene.queries).sum())
+    /// Degrees of degrees_of_freedom of the standard error.
+    pub(crate) fn degrees_of_freedom(&self) -> f64 {
+        degrees_of_freedom(self.queries, self.scenes.iter().map(|scene| scene.queries * scene.queries).sum())
     }
 
     pub(crate) fn estimate(&self, seed: u64) -> Estimate {
@@ -160,14 +159,15 @@ impl Sample {
     }
 }
 
-/// How far the scenes are off the mean of all.
+/// The residuals of the scenes from the mean of all.
 struct Residuals {
     scenes: Vec<Residual>,
     /// Over all scenes.
     sum: Residual,
 }
 
-/// Of one scene, or summed over many: with r the sum of its values less as many means, and n its number of values.
+/// Of one scene: r, the sum of its values minus n times the mean; n, the number of its values; and their products. Or
+/// the sums of these over scenes.
 #[derive(Debug, Clone, Copy, Default)]
 struct Residual {
     r: f64,
@@ -186,7 +186,7 @@ impl Residual {
         self.nn += other.nn;
     }
 
-    /// How far the mean of the summed scenes lies from the one that the residuals were taken from.
+    /// The mean of the summed scenes minus the mean that the residuals were taken from.
     fn shift(&self) -> f64 {
         self.r / self.n
     }
@@ -200,7 +200,7 @@ impl Residual {
 
 impl Residuals {
     fn of(sample: &Sample, mean: f64) -> Self {
-        // A mean of equal values is off by rounding alone; their spread is none, and has to be so exactly.
+        // Equal values must have a spread of exactly zero, though their mean has a rounding error.
         let size: f64 =
             sample.scenes.iter().map(|scene| scene.total.abs() + mean.abs() * scene.queries).sum();
         let residual = |scene: &SceneSum| {
@@ -225,57 +225,59 @@ impl Residuals {
         if error == 0.0 {
             return [mean, mean];
         }
-        let [low, high] = self.drawn_quantiles(seed).unwrap_or_else(|| {
-            let t = student_quantile(1.0 - TAIL, freedom(self.sum.n, self.sum.nn));
+        let [low, high] = self.bootstrap_quantiles(seed).unwrap_or_else(|| {
+            let t = student_quantile(1.0 - TAIL, degrees_of_freedom(self.sum.n, self.sum.nn));
             [-t, t]
         });
-        // The mean itself always belongs to what it may be.
+        // Quantiles of one sign would give an interval without the mean.
         [(mean - high * error).min(mean), (mean - low * error).max(mean)]
     }
 
-    /// Between which of their own standard errors the middle 95 % of the draws are off; none if there are few
-    /// scenes, or if too many draws have nothing that differs, so that they have no standard error.
-    fn drawn_quantiles(&self, seed: u64) -> Option<[f64; 2]> {
+    /// The 2.5 and 97.5 % quantiles of the resamples' t statistics; none if there are few scenes, or if too many
+    /// resamples have no spread.
+    fn bootstrap_quantiles(&self, seed: u64) -> Option<[f64; 2]> {
         let count = self.scenes.len();
-        // Few scenes are drawn in few ways, some of which nearly lack a spread: their quantiles reach anywhere.
+        // Few scenes have few different resamples, some with hardly any spread: their t statistics are arbitrarily
+        // large.
         if count < FEW_SCENES {
             return None;
         }
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let correction = (count as f64 / (count as f64 - 1.0)).sqrt();
-        let flat = ROUNDING * self.sum.rr;
-        let mut errors_off = Vec::with_capacity(RESAMPLES);
+        let rounding = ROUNDING * self.sum.rr;
+        let mut t_statistics = Vec::with_capacity(RESAMPLES);
         for _ in 0..RESAMPLES {
             let mut drawn = Residual::default();
             for _ in 0..count {
                 drawn.add(&self.scenes[random.random_range(0..count)]);
             }
             let spread = drawn.spread();
-            if spread > flat {
-                errors_off.push(drawn.r / (correction * spread.sqrt()));
+            if spread > rounding {
+                t_statistics.push(drawn.r / (correction * spread.sqrt()));
             }
         }
-        let is_enough = errors_off.len() as f64 >= (1.0 - MOST_FLAT_DRAWS) * RESAMPLES as f64;
+        let is_enough = t_statistics.len() as f64 >= (1.0 - MAX_DEGENERATE_SHARE) * RESAMPLES as f64;
         is_enough.then(|| {
-            errors_off.sort_unstable_by(f64::total_cmp);
-            [quantile(&errors_off, TAIL), quantile(&errors_off, 1.0 - TAIL)]
+            t_statistics.sort_unstable_by(f64::total_cmp);
+            [quantile(&t_statistics, TAIL), quantile(&t_statistics, 1.0 - TAIL)]
         })
     }
 }
 
-/// One less than the number of equal scenes that say as much as unequal ones (Kish, Survey Sampling 1965), from the sum
-/// of their queries and the sum of their squares; at least one.
-fn freedom(queries: f64, squared_queries: f64) -> f64 {
+/// The effective number of scenes (Kish, Survey Sampling 1965) minus one, at least one; from the sum of their numbers
+/// of queries and the sum of the squares of these.
+fn degrees_of_freedom(queries: f64, squared_queries: f64) -> f64 {
     (queries * queries / squared_queries - 1.0).max(1.0)
 }
 
-/// What a variable of Student's distribution lies below with probability `share`.
-pub(crate) fn student_quantile(share: f64, freedom: f64) -> f64 {
-    let student = StudentsT::new(0.0, 1.0, freedom).expect("scale and freedom are positive");
+/// Quantile of Student's t distribution: a variable lies below it with probability `share`.
+pub(crate) fn student_quantile(share: f64, degrees_of_freedom: f64) -> f64 {
+    let student =
+        StudentsT::new(0.0, 1.0, degrees_of_freedom).expect("scale and degrees_of_freedom are positive");
     student.inverse_cdf(share)
 }
 
-/// Between the two nearest of some ascending values, by their ranks.
+/// Quantile of ascending values, linear between the two nearest ranks.
 fn quantile(ascending: &[f64], share: f64) -> f64 {
     let rank = share * (ascending.len() - 1) as f64;
     let (below, above) = (ascending[rank.floor() as usize], ascending[rank.ceil() as usize]);
@@ -311,9 +313,9 @@ mod tests {
     }
 
     #[test]
-    fn two_scenes_by_hand() {
-        // A has two queries at 0, B one at 90: the residuals are -60 and 60. Half of the draws are of one scene alone and
-        // have no spread, so the interval is Student's with one degree of freedom.
+    fn two_scenes_give_the_interval_worked_out_by_hand() {
+        // A has two queries at 0, B one at 90: the residuals are -60 and 60. Two scenes are few, so the interval is
+        // Student's, with one degree of degrees_of_freedom.
         let found = estimate(&names(2), &[(0, 0.0), (1, 90.0), (0, 0.0)]).unwrap();
         assert_eq!((found.value, found.queries, found.scenes), (30.0, 3, 2));
         let error = (2.0_f64 * (60.0 * 60.0 + 60.0 * 60.0)).sqrt() / 3.0;
@@ -344,7 +346,7 @@ mod tests {
 
     #[test]
     fn a_single_scene_that_differs_has_students_interval() {
-        // A third of the draws miss the scene that has something and see no difference at all.
+        // A third of the resamples lack the one scene that differs, and so have no spread.
         let names = names(21);
         let values: Vec<(usize, f64)> =
             (0..21).map(|scene| (scene, if scene == 3 { 42.0 } else { 0.0 })).collect();
@@ -370,7 +372,7 @@ mod tests {
 
     #[test]
     fn intervals_follow_the_skew_of_the_values() {
-        // Most scenes near 10, one at 90: what was not drawn would pull the mean up, not down.
+        // Most scenes are near 10, one is at 90: others that were not sampled would pull the mean up, not down.
         let names = names(21);
         let values: Vec<(usize, f64)> =
             (0..21).map(|scene| (scene, if scene == 0 { 90.0 } else { 8.0 + (scene % 5) as f64 })).collect();

@@ -66,8 +66,9 @@ impl Comparison {
         let sample = Sample::of(differences)?;
         let difference = sample.estimate(seed);
         let flips = Flips::of(&sample);
-        let freedom = sample.freedom();
-        let reach = student_quantile(1.0 - TAIL, freedom) + student_quantile(POWER, freedom);
+        let degrees_of_freedom = sample.degrees_of_freedom();
+        let reach =
+            student_quantile(1.0 - TAIL, degrees_of_freedom) + student_quantile(POWER, degrees_of_freedom);
         Some(Self {
             difference,
             p: flips.p(seed),
@@ -382,7 +383,7 @@ mod tests {
     #[test]
     fn what_can_be_detected_follows_from_the_standard_error() {
         let found = single(&[1.0, 2.0, -3.0, 4.0, 2.0, 0.0]);
-        // Student's quantiles with five degrees of freedom.
+        // Student's quantiles with five degrees of degrees_of_freedom.
         let reach = 2.570_581_8 + 0.919_543_8;
         let error = found.difference.standard_error.unwrap();
         assert!((found.detectable.unwrap() / error - reach).abs() < 1e-5, "{found:?}");

@@ -1,4 +1,5 @@
-//! Means with intervals of groups of queries: by what is asked, where, when, and how it looks.
+//! Means with confidence intervals over groups of queries: by category, scale, time, size and occlusion of the target,
+//! scene, and query. Knows how queries are grouped, not how a mean or its interval is worked out.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +15,6 @@ use crate::traits::Traits;
 pub type Estimates = PerMetric<Option<Estimate>>;
 
 impl Estimates {
-    /// Means over some queries.
     pub fn over(tallies: &[&QueryTally], seed: u64) -> Self {
         Self::of(|metric| Estimate::of_ratio(tallies.iter().copied(), |ratios| ratios.get(metric), seed))
     }
@@ -27,15 +27,15 @@ impl Estimates {
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum GroupKind {
-    /// Nothing: all of them.
+    /// One group of all queries.
     All,
-    /// A category; a composite query is in each of its two.
+    /// Category; a composite query is in both of its two.
     Category,
-    /// Both categories, of composite queries.
+    /// The two categories of composite queries.
     Composite,
     /// Scale of the scene.
     Scale,
-    /// Scale of the scene and category, as the paper's table of scales has them.
+    /// Scale of the scene and category together, as in the paper's table of scales.
     ScaleCategory,
     /// How the sentence binds time ([`Temporal`]).
     Temporal,
@@ -44,7 +44,6 @@ pub enum GroupKind {
     /// [`crate::traits::Occlusion`] of the target.
     Occlusion,
     Scene,
-    /// A single query.
     Query,
 }
 
@@ -62,11 +61,11 @@ pub struct Group {
     pub kind: GroupKind,
     /// Which of that kind: `attribute`, `attribute+action`, `room`, `room attribute`, `while`, `small`, `room_gym/003`.
     pub name: String,
-    /// Queries with at least one frame that shows the target.
+    /// Number of queries with at least one frame that shows the target.
     pub queries: usize,
-    /// Scenes that they come from.
+    /// Number of scenes that they come from.
     pub scenes: usize,
-    /// Whether these are too few scenes for its intervals to be trusted.
+    /// Whether there are too few scenes for the intervals to be trusted.
     pub few_scenes: bool,
     #[serde(flatten)]
     pub estimates: Estimates,
@@ -88,20 +87,24 @@ pub fn groups(
     let mut members: BTreeMap<(GroupKind, usize, String), Vec<&QueryTally>> = BTreeMap::new();
     let scenes: Vec<&Name> = exam.scenes.iter().map(|scene| &scene.name).collect();
     for tally in tallies {
-        let places = places(tally, traits.get(&tally.facts.id), &scenes);
-        for place in places.into_iter().filter(|(kind, ..)| is_wanted(*kind)) {
-            members.entry(place).or_default().push(tally);
+        let keys = group_keys(tally, traits.get(&tally.facts.id), &scenes);
+        for key in keys.into_iter().filter(|(kind, ..)| is_wanted(*kind)) {
+            members.entry(key).or_default().push(tally);
         }
     }
     members.into_iter().map(|((kind, _, name), tallies)| group(kind, name, &tallies, seed)).collect()
 }
 
-/// GroupKind, rank among its kind, and name of the groups of a query.
-fn places(tally: &QueryTally, traits: Option<&Traits>, scenes: &[&Name]) -> Vec<(GroupKind, usize, String)> {
+/// The groups that a query is in: kind, rank in the tables among groups of that kind, and name.
+fn group_keys(
+    tally: &QueryTally,
+    traits: Option<&Traits>,
+    scenes: &[&Name],
+) -> Vec<(GroupKind, usize, String)> {
     let facts = &tally.facts;
     let scale = Scale::ALL.iter().position(|scale| *scale == facts.scale).unwrap_or_default();
     let scene = scenes.iter().position(|scene| **scene == facts.id.scene).unwrap_or(scenes.len());
-    let mut places = vec![
+    let mut keys = vec![
         (GroupKind::All, 0, "all".to_owned()),
         (GroupKind::Scale, scale, facts.scale.as_str().to_owned()),
         (GroupKind::Scene, scene, facts.id.scene.to_string()),
@@ -111,25 +114,24 @@ fn places(tally: &QueryTally, traits: Option<&Traits>, scenes: &[&Name]) -> Vec<
         |category: Category| Category::ALL.iter().position(|other| *other == category).unwrap_or_default();
     for &category in &facts.categories {
         let name = category.as_str();
-        places.push((GroupKind::Category, rank(category), name.to_owned()));
+        keys.push((GroupKind::Category, rank(category), name.to_owned()));
         let of_scale = format!("{} {name}", facts.scale.as_str());
-        places.push((GroupKind::ScaleCategory, Category::ALL.len() * scale + rank(category), of_scale));
+        keys.push((GroupKind::ScaleCategory, Category::ALL.len() * scale + rank(category), of_scale));
     }
     if let [first, second] = facts.categories[..] {
         let name = format!("{}+{}", first.as_str(), second.as_str());
-        places.push((GroupKind::Composite, Category::ALL.len() * rank(first) + rank(second), name));
+        keys.push((GroupKind::Composite, Category::ALL.len() * rank(first) + rank(second), name));
     }
     if let Some(traits) = traits {
         let temporal = match traits.temporal {
             Temporal::Whole => (0, "whole"),
             Temporal::While => (1, "while"),
         };
-        places.push((GroupKind::Temporal, temporal.0, temporal.1.to_owned()));
-        places.extend(traits.size.map(|size| (GroupKind::Size, size as usize, size.to_string())));
-        places
-            .extend(traits.occlusion.map(|found| (GroupKind::Occlusion, found as usize, found.to_string())));
+        keys.push((GroupKind::Temporal, temporal.0, temporal.1.to_owned()));
+        keys.extend(traits.size.map(|size| (GroupKind::Size, size as usize, size.to_string())));
+        keys.extend(traits.occlusion.map(|found| (GroupKind::Occlusion, found as usize, found.to_string())));
     }
-    places
+    keys
 }
 
 fn group(kind: GroupKind, name: String, tallies: &[&QueryTally], seed: u64) -> Group {

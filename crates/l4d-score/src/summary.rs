@@ -1,5 +1,5 @@
 //! `summary.json`: the scores of one method with everything that they depend on. Derived from `counts.csv`, kept so
-//! that a leaderboard needs neither truth nor queries.
+//! that a leaderboard needs neither truth nor queries. Computes no score itself.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,7 +15,7 @@ use crate::metrics::{Missing, Options, QueryTally};
 
 /// Schema tag of a summary.
 pub const SCHEMA: &str = "l4d/score/1";
-/// Of a method that did not answer everything that is asked.
+/// Why a method that left out frames is not ranked.
 pub const PARTIAL: &str = "partial";
 
 fn is_headline(set: &QuerySet) -> bool {
@@ -27,34 +27,32 @@ fn is_headline(set: &QuerySet) -> bool {
 pub struct Summary {
     /// [`SCHEMA`].
     pub schema: String,
-    /// Name of the method.
     pub name: Name,
-    /// Version of the method.
+    /// Of the method.
     pub version: String,
     /// Paper or code, may be empty.
     pub link: String,
     /// What the method looked at.
     pub used: Used,
-    /// The card says that it is a baseline.
+    /// Whether its card says that it is a baseline.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub baseline: bool,
-    /// Wall seconds that the method took for all queries.
+    /// Wall-clock time of the method for all queries, seconds.
     pub seconds: Option<f64>,
     /// What the method reports of itself; never scored.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub reported: BTreeMap<String, f64>,
-    /// Protocol of the scores.
+    /// Name of the protocol that the scores follow.
     pub protocol: String,
     /// Profile of truth and masks.
     pub profile: Profile,
-    /// Version of the benchmark.
     pub benchmark_version: String,
     /// [`l4d_data::Benchmark::truth_digest`].
     pub truth_digest: String,
     /// Which sentences were asked.
     #[serde(default, skip_serializing_if = "is_headline")]
     pub set: QuerySet,
-    /// Choices that change numbers.
+    /// Options of scoring that change the numbers.
     pub options: Options,
     /// Whether frames without an answer were left out, which makes the scores incomparable.
     pub partial: bool,
@@ -67,24 +65,24 @@ pub struct Summary {
     /// Queries of the same scenes that were not asked, because people rejected them.
     #[serde(default)]
     pub rejected_queries: usize,
-    /// Queries whose target is visible in no scored frame; they enter no mean of it.
+    /// Queries whose target is visible in no scored frame; no mean includes them.
     pub never_present: Vec<QueryId>,
     #[serde(flatten)]
     pub scores: Breakdown,
 }
 
-/// What keeps a method from being compared with others as an equal, by its card.
+/// Why a method is not ranked, as far as its name and card say.
 pub(crate) fn handicaps(name: &Name, is_baseline: bool, used: &Used) -> Vec<&'static str> {
-    let found = [
+    let reasons = [
         (is_baseline || Baseline::is_name_of_one(name), "baseline"),
         (used.ground_truth, "used ground truth"),
         (used.test_view, "saw the held-out view"),
     ];
-    found.into_iter().filter(|(holds, _)| *holds).map(|(_, reason)| reason).collect()
+    reasons.into_iter().filter(|(holds, _)| *holds).map(|(_, reason)| reason).collect()
 }
 
 impl Summary {
-    /// Sums up the queries of a method.
+    /// Averages the tallies of a method's queries.
     pub fn new(card: MethodCard, exam: &Exam, options: &Options, tallies: &[QueryTally]) -> Self {
         let missing_frames = tallies.iter().map(|tally| tally.missing_frames).sum();
         Self {
@@ -116,7 +114,7 @@ impl Summary {
         }
     }
 
-    /// Why the method is shown for scale and never ranked; empty for one that competes.
+    /// Why the method is shown for comparison but not ranked; empty if it is ranked.
     pub fn unranked_because(&self) -> Vec<&'static str> {
         let mut reasons = handicaps(&self.name, self.baseline, &self.used);
         reasons.extend(self.partial.then_some(PARTIAL));
@@ -124,7 +122,7 @@ impl Summary {
         reasons
     }
 
-    /// Reads a summary.
+    /// Reads `summary.json`.
     ///
     /// # Errors
     /// A file that is no summary, or of another schema.

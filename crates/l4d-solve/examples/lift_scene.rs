@@ -16,7 +16,9 @@ use l4d_data::Scene;
 use l4d_data::layout::SceneDir;
 use l4d_frames::exr::read_surfaces;
 use l4d_masks::Mask;
-use l4d_solve::lift::{Canvas, Evidence, EvidenceFrame, EvidenceView, FieldSettings, LiftSettings, lift};
+use l4d_solve::lift::{
+    Evidence, EvidenceFrame, EvidenceView, FieldSettings, LiftSettings, RenderedModel, lift,
+};
 use l4d_splat::model::time_of_frame;
 use l4d_splat::raster::{Cpu, RasterSettings, Reference};
 use l4d_splat::source::{ReaderOptions, Source};
@@ -35,16 +37,16 @@ fn main() -> Result<(), Failure> {
     let evidence = evidence(Path::new(scene))?;
     let source = Source::open(Path::new(splats), ReaderOptions::default())?;
     let (cpu, raster) = (Cpu::new(), RasterSettings::default());
-    let canvas = Canvas { model: &source.model, rasterizer: &cpu, raster: &raster, states: None };
+    let rendered = RenderedModel { model: &source.model, rasterizer: &cpu, raster: &raster, states: None };
     match what {
         ["learn", iterations] => {
             let settings = FieldSettings { iterations: iterations.parse()?, ..FieldSettings::paper() };
             let start = Instant::now();
-            lift(&canvas, &evidence, &LiftSettings::Field(settings))?;
+            lift(&rendered, &evidence, &LiftSettings::Field(settings))?;
             let line = json!({ "seconds": start.elapsed().as_secs_f64() });
             Ok(writeln!(std::io::stdout(), "{line}")?)
         }
-        ["export", folder, pictures] => export(&canvas, &evidence, pictures.parse()?, Path::new(folder)),
+        ["export", folder, pictures] => export(&rendered, &evidence, pictures.parse()?, Path::new(folder)),
         _ => Err("then `learn ITERATIONS` or `export FOLDER PICTURES`".into()),
     }
 }
@@ -78,7 +80,12 @@ fn evidence(folder: &Path) -> Result<Evidence, Failure> {
 /// Canonical centres, and for some pictures the time, the view, the Gaussians as they are then (centres; scales,
 /// rotation and opacity in rows of eight), the mask, and the blend weights as rows of a sparse matrix; little-endian
 /// files beside an `index.json`.
-fn export(canvas: &Canvas<'_>, evidence: &Evidence, count: usize, out: &Path) -> Result<(), Failure> {
+fn export(
+    rendered: &RenderedModel<'_>,
+    evidence: &Evidence,
+    count: usize,
+    out: &Path,
+) -> Result<(), Failure> {
     std::fs::create_dir_all(out)?;
     let floats = |name: String, numbers: &[f32]| {
         let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
@@ -88,13 +95,13 @@ fn export(canvas: &Canvas<'_>, evidence: &Evidence, count: usize, out: &Path) ->
         let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
         std::fs::write(out.join(name), bytes)
     };
-    floats("means.f32".into(), canvas.model.gaussians.means.as_flattened())?;
+    floats("means.f32".into(), rendered.model.gaussians.means.as_flattened())?;
     let (mut times, mut views) = (Vec::new(), Vec::new());
     for picture in 0..count {
         let frames = &evidence.views[picture % evidence.views.len()].frames;
         let EvidenceFrame { time, view, mask, .. } = &frames[picture * frames.len() / count];
-        let splats = canvas.at(*time)?;
-        let projected = Reference::scene(&splats.to_f64(), view, canvas.raster)?;
+        let splats = rendered.at(*time)?;
+        let projected = Reference::scene(&splats.to_f64(), view, rendered.raster)?;
         let (width, height) = mask.size();
         let pixels: Vec<_> = (0..width * height)
             .into_par_iter()

@@ -64,7 +64,7 @@ impl Grounders {
             Self::Fused { panoptic, given } => {
                 let given =
                     (!given.is_empty()).then(|| truth_of(scene, place, queries, given)).transpose()?;
-                Arc::new(Fused::new(Arc::clone(panoptic), &scene.clips, &scene.canvas(rasterizer), given)?)
+                Arc::new(Fused::new(Arc::clone(panoptic), &scene.clips, &scene.rendered(rasterizer), given)?)
             }
             Self::Vlm(vlm) => Arc::clone(vlm) as _,
             Self::Files(root) => Arc::new(Files::open(root, scene.name.clone())?),

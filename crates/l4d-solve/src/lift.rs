@@ -5,22 +5,22 @@
 //! views were trusted, and where cameras and models come from.
 
 mod answer;
-mod canvas;
 mod closed;
 mod error;
 mod evidence;
 mod field;
 mod labels;
+mod rendered_model;
 #[cfg(test)]
 mod tests;
 
 pub use answer::{Answer, Layer};
-pub use canvas::{Canvas, ModelStates};
 pub use closed::ClosedSettings;
 pub use error::LiftError;
 pub use evidence::{Evidence, EvidenceFrame, EvidenceView};
 pub use field::{FieldSettings, Network};
 pub use labels::Labels;
+pub use rendered_model::{ModelStates, RenderedModel};
 
 use serde::{Deserialize, Serialize};
 
@@ -39,7 +39,7 @@ pub enum LiftSettings {
 /// # Errors
 /// Evidence that contradicts itself, settings outside their ranges, a model that cannot be drawn.
 pub fn lift(
-    canvas: &Canvas<'_>,
+    rendered: &RenderedModel<'_>,
     evidence: &Evidence,
     settings: &LiftSettings,
 ) -> Result<Option<Answer>, LiftError> {
@@ -47,8 +47,8 @@ pub fn lift(
         return Ok(None);
     }
     let answer = match settings {
-        LiftSettings::Closed(settings) => Answer::Labels(closed::labels(canvas, evidence, settings)?),
-        LiftSettings::Field(settings) => Answer::Field(Box::new(field::learn(canvas, evidence, settings)?)),
+        LiftSettings::Closed(settings) => Answer::Labels(closed::labels(rendered, evidence, settings)?),
+        LiftSettings::Field(settings) => Answer::Field(Box::new(field::learn(rendered, evidence, settings)?)),
     };
     Ok(Some(answer))
 }

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use crate::clips::{
     self, ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, Overwrite, Plan, read_views, spread_views,
 };
-use crate::lift::{Canvas, ModelStates};
+use crate::lift::{ModelStates, RenderedModel};
 
 /// Which clips are looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -152,8 +152,13 @@ impl SolveScene {
     }
 
     /// What answers are lifted onto. All of them share the states of the model.
-    pub fn canvas<'a>(&'a self, rasterizer: &'a dyn Rasterizer) -> Canvas<'a> {
-        Canvas { model: &self.source.model, rasterizer, raster: &self.raster, states: Some(&self.states) }
+    pub fn rendered<'a>(&'a self, rasterizer: &'a dyn Rasterizer) -> RenderedModel<'a> {
+        RenderedModel {
+            model: &self.source.model,
+            rasterizer,
+            raster: &self.raster,
+            states: Some(&self.states),
+        }
     }
 
     /// SHA-256 of everything that its answers depend on: model and clips.

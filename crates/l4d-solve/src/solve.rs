@@ -135,7 +135,7 @@ impl Method<'_> {
         json::write(&dir.consensus(), &agreed)?;
         let lifted = account.of(Stage::Lifting, || -> Result<_, StageError> {
             let evidence = Evidence::of(&scene.clips, &groundings, &agreed.evidence)?;
-            Ok(lift(&scene.canvas(self.rasterizer), &evidence, &self.settings.lift)?)
+            Ok(lift(&scene.rendered(self.rasterizer), &evidence, &self.settings.lift)?)
         })?;
         if let Some(lifted) = &lifted {
             lifted.write(&dir.lift(), &scene.source.model)?;
@@ -198,15 +198,16 @@ impl SolveScene {
         let Some(lifted) = lifted else {
             return Ok(plan.pictures().map(|index| (index, Mask::empty(width, height))).collect());
         };
-        let canvas = self.canvas(rasterizer);
+        let rendered = self.rendered(rasterizer);
         let at = |instant: usize| -> Result<Vec<(PictureIndex, Mask)>, StageError> {
             let time = plan.instants[instant].time;
-            let layer = lifted.layer_at(canvas.model, time)?;
-            let splats = canvas.shapes_at(time)?;
+            let layer = lifted.layer_at(rendered.model, time)?;
+            let splats = rendered.shapes_at(time)?;
             let of_view = |view: usize| {
                 let index = PictureIndex { view, instant };
                 let from = plan.view(index)?;
-                let projected = rasterizer.prepare(&splats, &from, canvas.raster).map_err(LiftError::from)?;
+                let projected =
+                    rasterizer.prepare(&splats, &from, rendered.raster).map_err(LiftError::from)?;
                 Ok((index, layer.mask(projected.as_ref(), &from)?))
             };
             (0..plan.cameras.len()).map(of_view).collect()

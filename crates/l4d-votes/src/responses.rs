@@ -1,4 +1,5 @@
-//! What the logs of a round say, read without a lock and without changing them.
+//! Reads what annotators answered from the logs of a round, without a lock and without changing them. Decides nothing
+//! about queries: that is the verdict.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,16 +13,16 @@ use crate::round::Round;
 use crate::round_dir::RoundDir;
 use crate::vote::{Answer, Response};
 
-/// No log is larger.
+/// Largest log that is read.
 pub(crate) const MAX_BYTES: u64 = 64 << 20;
 
-/// What one annotator says about all items.
+/// The answers of one annotator to all items.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Responses {
     pub annotator: Name,
-    /// Whether a seal ends it and fits it.
+    /// Whether the log ends with a seal that matches it.
     pub sealed: bool,
-    /// By item; items without an entry were never touched.
+    /// By item; items without an entry have no event in the log.
     pub items: BTreeMap<ItemId, Response>,
 }
 
@@ -31,7 +32,7 @@ impl Responses {
         self.items.get(item)?.answer.as_ref()
     }
 
-    /// Reads the bytes of a log. `path` only serves messages.
+    /// Reads the bytes of a log. `path` is for findings only.
     fn from_bytes(path: &Path, bytes: &[u8], round: &Round, annotator: &Name) -> (Self, Report) {
         let mut replay = replay(path, bytes, round, annotator);
         let asked = replay.history.items().filter_map(|id| round.item(id));
@@ -51,7 +52,8 @@ impl Responses {
     }
 }
 
-/// Reads the logs of all annotators of a round, in the order of `round.toml`. An annotator without a log said nothing.
+/// Reads the logs of all annotators of a round, in the order of `round.toml`. An annotator without a log has
+/// no answers.
 pub(crate) fn read_responses(
     dir: &RoundDir,
     round: &Round,
@@ -75,6 +77,7 @@ pub(crate) fn read_responses(
     Ok((all, report.into_sorted()))
 }
 
+/// Warns of files in the folder of votes that belong to no annotator of the round.
 fn report_unknown_files(dir: &RoundDir, round: &Round, report: &mut Report) -> Result<(), DataError> {
     let folder = dir.votes();
     if !folder.exists() {
@@ -108,7 +111,7 @@ mod tests {
     use crate::vote::{Choice, Event, ShownFrames};
 
     #[test]
-    fn reading_needs_no_lock_and_changes_nothing() {
+    fn logs_are_read_while_locked_and_torn_and_stay_as_they_are() {
         let folder = tempfile::tempdir().unwrap();
         let dir = RoundDir::new(folder.path());
         let mut round = round_of(&["ada", "ben"], items("room", &["The cat", "The dog"]));

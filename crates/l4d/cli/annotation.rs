@@ -1,5 +1,5 @@
-//! Grammar of the verbs around queries and their annotation: check-queries, stats, open-round, verify-prompts, import-ballot,
-//! verdict.
+//! Command-line arguments of the verbs around queries and their annotation: check-queries, stats, open-round,
+//! verify-prompts, import-ballot, verdict. Runs none of them.
 
 use std::path::PathBuf;
 

@@ -10,7 +10,7 @@ use l4d_data::{Benchmark, DataError, Name, Report, json};
 use l4d_import::results::codec::{Codec, Reading};
 use l4d_import::results::import::{Encoders, FrameOrder, Identity, Images, Imported, Request, import, write};
 use l4d_import::results::preset::Preset;
-use l4d_import::results::relevancy::TextsFile;
+use l4d_import::results::relevancy::TextEmbeddingsFile;
 use serde_json::{Value, json};
 
 use self::recount::{Recounted, recount};
@@ -88,8 +88,8 @@ fn request<'a>(args: &ImportArgs, bench: &'a Benchmark) -> Result<Request<'a>> {
 }
 
 fn encoders(args: &ImportEncodersArgs) -> Result<Encoders, DataError> {
-    let read = |path: &PathBuf| -> Result<(PathBuf, TextsFile), DataError> {
-        Ok((path.clone(), TextsFile::read(path)?))
+    let read = |path: &PathBuf| -> Result<(PathBuf, TextEmbeddingsFile), DataError> {
+        Ok((path.clone(), TextEmbeddingsFile::read(path)?))
     };
     Ok(Encoders {
         decoder: args.decoder.clone(),

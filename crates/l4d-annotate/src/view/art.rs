@@ -1,4 +1,5 @@
-//! The picture, with the numbers over it where it is made of characters.
+//! Draws the picture pane: pixels if the terminal can, else characters with the numbers of the objects over them, else
+//! a line of text. Paints no picture itself.
 
 use ratatui::buffer::{Buffer, Cell};
 use ratatui::layout::Rect;
@@ -13,25 +14,25 @@ use crate::picture::{Art, Label, Picture};
 
 pub(super) fn draw(model: &Model, pane: Rect, buffer: &mut Buffer) {
     if let Some(why) = &model.picture_error {
-        return text(&format!("This picture cannot be shown: {why}"), pane, buffer);
+        return draw_text(&format!("This picture cannot be shown: {why}"), pane, buffer);
     }
     let Some(picture) = model.picture() else {
-        return text("loading ...", pane, buffer);
+        return draw_text("loading ...", pane, buffer);
     };
     let cells = picture.request.cells;
     let area = Rect::new(pane.x, pane.y, cells.width.min(pane.width), cells.height.min(pane.height));
     match &picture.art {
         Art::Pixels(protocol) => Image::new(protocol).render(pane, buffer),
         Art::Cells { cells: art, labels } => {
-            characters(art, cells.width, area, buffer);
+            draw_cells(art, cells.width, area, buffer);
             for label in labels {
-                number(model, picture, label, area, buffer);
+                draw_label(model, picture, label, area, buffer);
             }
         }
     }
 }
 
-fn characters(art: &[Cell], columns: u16, area: Rect, buffer: &mut Buffer) {
+fn draw_cells(art: &[Cell], columns: u16, area: Rect, buffer: &mut Buffer) {
     for (row, cells) in area.rows().zip(art.chunks_exact(usize::from(columns.max(1)))) {
         for (place, source) in row.columns().zip(cells) {
             if let Some(cell) = buffer.cell_mut(place.as_position()) {
@@ -41,10 +42,10 @@ fn characters(art: &[Cell], columns: u16, area: Rect, buffer: &mut Buffer) {
     }
 }
 
-fn number(model: &Model, picture: &Picture, label: &Label, area: Rect, buffer: &mut Buffer) {
+fn draw_label(model: &Model, picture: &Picture, label: &Label, area: Rect, buffer: &mut Buffer) {
     let marks = model.scene().marks();
     let Some(mark) = marks.iter().find(|mark| mark.id == label.id) else { return };
-    // What is chosen is known before the picture is painted anew.
+    // The model, not the picture: that one is painted in the background and may be older than the choice.
     let chosen = model.chosen_ids().contains(&label.id);
     let text = if chosen { format!("[{}]", label.number) } else { label.number.to_string() };
     let columns = width(&text) as u16;
@@ -57,7 +58,7 @@ fn number(model: &Model, picture: &Picture, label: &Label, area: Rect, buffer: &
     buffer.set_string(area.x + x, area.y + label.at.y, text, style);
 }
 
-fn text(text: &str, pane: Rect, buffer: &mut Buffer) {
+fn draw_text(text: &str, pane: Rect, buffer: &mut Buffer) {
     let lines = wrap(text, pane.width.saturating_sub(4));
     let top = pane.height.saturating_sub(lines.len() as u16) / 2;
     for (row, line) in (top..pane.height).zip(lines) {

@@ -1,7 +1,8 @@
-//! A file that appears whole or not at all, written piece by piece.
+//! Atomic writes of files: a file appears whole or not at all, though it is written piece by piece.
 //!
-//! Until then it is a temporary file beside its place, locked by the run that writes it. The system gives up the lock
-//! of a run that was killed: by that others know what is left over, on any machine that shares the disk.
+//! Until [`AtomicFile::commit`] it is a temporary file beside its target, locked by the process that writes it. The
+//! operating system releases the lock of a process that was killed, so a temporary file without a lock is left over.
+//! Other machines that share the disk see that, too. Knows nothing of what is written.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -13,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 use super::make_folder;
 use crate::error::DataError;
 
-/// A locked file under a name of its own; dropping removes it.
+/// A temporary file, locked, under a name that nothing else uses; dropping removes it.
 #[derive(Debug)]
 pub struct Temporary {
     path: PathBuf,
@@ -21,10 +22,10 @@ pub struct Temporary {
 }
 
 impl Temporary {
-    /// Makes one; makes the folder if it is missing, and removes from it what killed runs left.
+    /// Creates one, and its folder if that is missing; removes from the folder what killed processes left there.
     ///
     /// # Errors
-    /// What the disk refuses.
+    /// What the operating system refuses.
     pub fn create(folder: &Path) -> Result<Self, DataError> {
         make_folder(folder)?;
         sweep_once(folder);
@@ -33,7 +34,6 @@ impl Temporary {
         Ok(Self { path, writer: BufWriter::new(file) })
     }
 
-    /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -41,25 +41,25 @@ impl Temporary {
     /// Appends bytes.
     ///
     /// # Errors
-    /// What the disk refuses.
+    /// What the operating system refuses.
     pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.writer.write_all(bytes)
     }
 
-    /// Lets others see what was written so far.
+    /// Empties the buffer, so that other processes can read what was written so far.
     ///
     /// # Errors
-    /// What the disk refuses.
+    /// What the operating system refuses.
     pub fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
     }
 
-    /// Moves it to its place; the lock is held until it is there.
+    /// Renames it to `path`; the lock is held until then.
     fn commit(mut self, path: &Path) -> io::Result<()> {
         self.writer.flush()?;
         self.writer.get_ref().sync_all()?;
         fs::rename(&self.path, path)?;
-        // The name is free again, also for runs on other machines.
+        // Dropping must remove nothing: another process, on this or another machine, may use the name by now.
         self.path.clear();
         Ok(())
     }
@@ -71,7 +71,7 @@ impl Drop for Temporary {
     }
 }
 
-/// Writes to a temporary neighbour; [`AtomicFile::commit`] moves it into place, dropping removes it.
+/// Writes to a temporary file in the same folder; [`AtomicFile::commit`] moves it into place, dropping removes it.
 #[derive(Debug)]
 pub struct AtomicFile {
     path: PathBuf,
@@ -79,10 +79,10 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Starts the file; makes its folder if it is missing.
+    /// Starts the file; creates its folder if that is missing.
     ///
     /// # Errors
-    /// What the disk refuses.
+    /// What the operating system refuses.
     pub fn create(path: &Path) -> Result<Self, DataError> {
         Ok(Self { path: path.to_owned(), temporary: Temporary::create(folder_of(path))? })
     }
@@ -90,20 +90,20 @@ impl AtomicFile {
     /// Appends bytes.
     ///
     /// # Errors
-    /// What the disk refuses.
+    /// What the operating system refuses.
     pub fn write(&mut self, bytes: &[u8]) -> Result<(), DataError> {
         self.temporary.write(bytes).map_err(|source| DataError::io(&self.path, "write", source))
     }
 
-    /// What writes into it, for libraries that write by themselves.
+    /// The writer, for libraries that want an [`io::Write`].
     pub fn writer(&mut self) -> &mut (impl io::Write + use<>) {
         &mut self.temporary.writer
     }
 
-    /// Puts the file in place.
+    /// Syncs the file to disk and moves it into place.
     ///
     /// # Errors
-    /// What the disk refuses.
+    /// What the operating system refuses.
     pub fn commit(self) -> Result<(), DataError> {
         self.temporary.commit(&self.path).map_err(|source| DataError::io(&self.path, "write", source))?;
         // The rename itself must survive a power cut; a filesystem that cannot sync folders is no error.
@@ -114,12 +114,12 @@ impl AtomicFile {
     }
 }
 
-/// The folder of a file, also of one without a folder before its name.
+/// The folder of a file; `.` if the path is a mere name.
 pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// A new file under a name that no run uses, locked where the filesystem knows locks.
+/// A new file under a name that no process uses, locked where the filesystem supports locks.
 fn open_new(folder: &Path) -> io::Result<(PathBuf, File)> {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     loop {
@@ -129,15 +129,15 @@ fn open_new(folder: &Path) -> io::Result<(PathBuf, File)> {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => continue,
             file => file?,
         };
-        // Until it is locked, another run may take it for left over and remove it.
+        // Between creating and locking it, another process may have removed it as left over: then try the next name.
         if !matches!(file.try_lock(), Err(TryLockError::WouldBlock)) && path.exists() {
             return Ok((path, file));
         }
     }
 }
 
-/// Removes all temporary files below a folder that killed runs left; those that are being written stay. A missing folder
-/// holds none.
+/// Removes the temporary files that killed processes left in a folder and below it; those that are being written stay.
+/// A missing folder is no error.
 ///
 /// # Errors
 /// A folder that cannot be listed.
@@ -150,16 +150,16 @@ pub fn sweep(folder: &Path) -> Result<(), DataError> {
     Ok(())
 }
 
-/// The same for one folder, before this process first writes into it.
+/// [`sweep_one`] of a folder before this process first writes into it.
 fn sweep_once(folder: &Path) {
     static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     if SWEPT.lock().unwrap_or_else(PoisonError::into_inner).insert(folder.to_owned()) {
-        // What is left over takes room, and hinders nothing.
+        // A file that stays only takes room: no reason to refuse the write.
         sweep_one(folder).ok();
     }
 }
 
-/// Removes what is left over in a folder; gives the folders in it.
+/// Removes the left-over temporary files of a folder, not of those in it; gives the folders in it.
 fn sweep_one(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let mut inner = Vec::new();
     let entries = match fs::read_dir(folder) {
@@ -185,7 +185,7 @@ fn is_temporary(name: &str) -> bool {
     parts.is_some_and(|(process, number)| is_number(process) && is_number(number))
 }
 
-/// Removes a temporary file unless its run lives, or the filesystem cannot tell.
+/// Removes a temporary file unless its process lives, or the filesystem cannot say.
 fn remove_left_over(path: &Path) {
     let is_left_over = match OpenOptions::new().write(true).open(path.with_extension("tmp")) {
         Ok(locked) => locked.try_lock().is_ok(),
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_killed_run_left_goes_and_what_is_being_written_stays() {
+    fn sweeping_removes_what_a_killed_process_left_and_keeps_what_is_being_written() {
         let folder = tempfile::tempdir().unwrap();
         let left = [".l4d-1-0.tmp", "deep/.l4d-1-0.tmp", "deep/er/.l4d-1-0.usdc"]
             .map(|name| folder.path().join(name));

@@ -1,4 +1,5 @@
-//! Noun phrases: "the red cup on the tray that a hand lifts".
+//! Reads noun phrases: "the red cup on the tray that a hand lifts". Every function gives all readings that start at a
+//! word, each with the word after its end; which of them is meant is decided elsewhere.
 
 use std::rc::Rc;
 
@@ -14,24 +15,24 @@ pub(super) enum Article {
     No,
 }
 
-/// A noun with what is said of it.
+/// A noun phrase: a noun and the clauses that its modifiers mean.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Phrase {
     pub(super) article: Article,
     pub(super) noun: String,
     pub(super) clauses: Vec<Clause>,
-    /// Whether a relative clause says some of it.
+    /// Whether one of the clauses comes from a relative clause.
     pub(super) has_relative: bool,
 }
 
-/// Something before the noun: what it means depends on the noun.
+/// A modifier before the noun: what an adjective means depends on the noun.
 #[derive(Debug, Clone, PartialEq)]
-enum Before {
+enum Premodifier {
     Property(Vec<&'static Wording>),
     Clause(Clause),
 }
 
-/// Order in time, said before the noun.
+/// "First" or "last" before the noun: order in time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
     First,
@@ -56,7 +57,7 @@ impl Phrase {
 }
 
 impl Reader<'_, '_> {
-    /// Others that are mentioned: "the lamp", "a hand", "another cup", "the red one".
+    /// The other participants of a clause: "the lamp", "a hand", "another cup", "the red one".
     pub(super) fn parties(&self, at: usize) -> Readings<Party> {
         let phrases = self.phrases_at(at);
         let meant = phrases.iter().filter(|(phrase, _)| phrase.article != Article::No);
@@ -70,8 +71,8 @@ impl Reader<'_, '_> {
                 false => Party::Such(phrase.predicate()),
             };
         }
-        // "The lamp" is a name where there is one lamp; "the green book" describes a book; "the book that is green" names
-        // a landmark that has no shorter name.
+        // "The lamp" is a name where there is one lamp; "the green book" describes a book; "the book that is green"
+        // names a landmark that has no shorter name.
         let is_name = phrase.clauses.is_empty()
             || phrase.has_relative
                 && phrase.clauses.iter().all(|clause| matches!(clause, Clause::Attribute { .. }));
@@ -85,14 +86,15 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// All noun phrases at a place.
+    /// All readings of a noun phrase that starts at word `at`, the likeliest first.
     pub(super) fn phrases_at(&self, at: usize) -> Rc<Readings<Phrase>> {
         if let Some(found) = self.phrases.borrow().get(&at) {
             return Rc::clone(found);
         }
         let mut found = self.noun_phrases(at);
         let is_name = |phrase: &Phrase| matches!(self.party(phrase), Party::Name(_));
-        // What is named needs nothing more; otherwise what stands close belongs to it.
+        // A name is complete without modifiers. Otherwise the longest reading is the likeliest: a modifier mostly
+        // belongs to the noun right before it.
         found.sort_by_key(|(phrase, end)| (!is_name(phrase), std::cmp::Reverse(*end)));
         let found = Rc::new(distinct(found));
         self.phrases.borrow_mut().insert(at, Rc::clone(&found));
@@ -101,7 +103,7 @@ impl Reader<'_, '_> {
 
     fn noun_phrases(&self, at: usize) -> Readings<Phrase> {
         if let Some(another) = self.any_of(at, "another") {
-            return self.others(another);
+            return self.after_another(another);
         }
         let (article, next) = if let Some(next) = self.any_of(at, "the") {
             (Article::The, self.skip(next, "only|one and only|same"))
@@ -110,21 +112,21 @@ impl Reader<'_, '_> {
         } else if let Some(next) = self.any_of(at, "no") {
             (Article::No, next)
         } else {
-            return self.bare(at);
+            return self.bare_nominals(at);
         };
         self.nominals(next, article)
     }
 
-    /// Nouns that need no article: "water", "books".
-    fn bare(&self, at: usize) -> Readings<Phrase> {
-        let bare = |noun: &str| lexicon().noun(noun).is_some_and(|noun| !noun.counts());
+    /// Bare noun phrases, of nouns that need no article: "water", "books".
+    fn bare_nominals(&self, at: usize) -> Readings<Phrase> {
+        let can_be_bare = |noun: &str| lexicon().noun(noun).is_some_and(|noun| !noun.counts());
         let mut found = self.nominals(at, Article::A);
-        found.retain(|(phrase, _)| bare(&phrase.noun));
+        found.retain(|(phrase, _)| can_be_bare(&phrase.noun));
         found
     }
 
     /// After "another": the noun, "one", or nothing.
-    fn others(&self, at: usize) -> Readings<Phrase> {
+    fn after_another(&self, at: usize) -> Readings<Phrase> {
         let mut found = self.nominals(at, Article::A);
         if let Some(noun) = self.head.borrow().clone() {
             found.push((Phrase { article: Article::A, noun, clauses: Vec::new(), has_relative: false }, at));
@@ -132,7 +134,7 @@ impl Reader<'_, '_> {
         found
     }
 
-    /// From what goes before the noun to the end.
+    /// A noun phrase without its article: ordinal, premodifiers, noun, postmodifiers.
     fn nominals(&self, at: usize, article: Article) -> Readings<Phrase> {
         let order = match self.word(at) {
             "first" => Some(Order::First),
@@ -141,11 +143,11 @@ impl Reader<'_, '_> {
         };
         let start = if order.is_some() { self.reached(at + 1) } else { at };
         let mut found = Readings::new();
-        for (before, noun_at) in self.before_noun(start) {
-            let is_extreme = matches!(before.last(), Some(Before::Clause(Clause::Superlative(_))));
+        for (before, noun_at) in self.premodifiers(start) {
+            let is_extreme = matches!(before.last(), Some(Premodifier::Clause(Clause::Superlative(_))));
             let mut nouns = self.nouns(noun_at);
             if order.is_some() || is_extreme {
-                nouns.extend(self.of_several(noun_at).into_iter().map(|(noun, end)| (noun, None, end)));
+                nouns.extend(self.partitive(noun_at).into_iter().map(|(noun, end)| (noun, None, end)));
             }
             for (noun, extra, after) in nouns {
                 for mut clauses in self.resolved(&before, &noun) {
@@ -164,14 +166,14 @@ impl Reader<'_, '_> {
         found
     }
 
-    /// After "the first" or "the tallest": "of the cups".
-    fn of_several(&self, at: usize) -> Readings<String> {
+    /// A partitive after "the first" or "the tallest": "of the cups".
+    fn partitive(&self, at: usize) -> Readings<String> {
         let starts =
             self.phrases(at, "of the|of all the|of all|of the two|of the three|of the four|of the five");
         starts.into_iter().flat_map(|next| self.categories(next, true)).collect()
     }
 
-    /// What "first" or "last" orders: "to jump", "that jumps", "lifted by a hand".
+    /// The event that "first" or "last" orders: "to jump", "that jumps", "lifted by a hand".
     fn ordered(&self, at: usize, order: Option<Order>, noun: &str) -> Readings<Vec<Clause>> {
         let Some(order) = order else { return vec![(Vec::new(), at)] };
         let mut found: Readings<Clause> = Vec::new();
@@ -192,21 +194,23 @@ impl Reader<'_, '_> {
         distinct(found.into_iter().map(|(clause, end)| (vec![order.of(clause)], end)).collect())
     }
 
-    /// Adjectives and the like.
-    fn before_noun(&self, at: usize) -> Readings<Vec<Before>> {
+    /// Sequences of premodifiers: adjectives, superlatives, participles ("the rolling ball"); also the empty one.
+    fn premodifiers(&self, at: usize) -> Readings<Vec<Premodifier>> {
         let mut found = vec![(Vec::new(), at)];
         let mut next = 0;
         while let Some((before, at)) = found.get(next).cloned() {
             next += 1;
-            let mut more: Readings<Before> = Vec::new();
+            let mut more: Readings<Premodifier> = Vec::new();
             for way in [Way::Adjective, Way::Before] {
                 let wordings = self.wordings(at, way).into_iter();
-                more.extend(wordings.map(|(wordings, end)| (Before::Property(wordings), end)));
+                more.extend(wordings.map(|(wordings, end)| (Premodifier::Property(wordings), end)));
             }
-            more.extend(self.superlative(at).into_iter().map(|(clause, end)| (Before::Clause(clause), end)));
+            more.extend(
+                self.superlative(at).into_iter().map(|(clause, end)| (Premodifier::Clause(clause), end)),
+            );
             let doing = self.event(at, Form::Ing).into_iter();
             let doing = doing.filter(|(clause, _)| matches!(clause, Clause::Does { to: None, .. }));
-            more.extend(doing.map(|(clause, end)| (Before::Clause(clause), end)));
+            more.extend(doing.map(|(clause, end)| (Premodifier::Clause(clause), end)));
             for (item, end) in more {
                 let mut longer = before.clone();
                 longer.push(item);
@@ -217,12 +221,13 @@ impl Reader<'_, '_> {
         found
     }
 
-    fn resolved(&self, before: &[Before], noun: &str) -> Vec<Vec<Clause>> {
+    /// The clauses that premodifiers mean before this noun, one list for each combination of their meanings.
+    fn resolved(&self, before: &[Premodifier], noun: &str) -> Vec<Vec<Clause>> {
         let mut found = vec![Vec::new()];
         for item in before {
             let choices = match item {
-                Before::Property(wordings) => self.meant(noun, wordings),
-                Before::Clause(clause) => vec![clause.clone()],
+                Premodifier::Property(wordings) => self.meant(noun, wordings),
+                Premodifier::Clause(clause) => vec![clause.clone()],
             };
             found = found
                 .into_iter()
@@ -234,7 +239,7 @@ impl Reader<'_, '_> {
         found
     }
 
-    /// Nouns at a place, with what the noun itself says.
+    /// Categories that a noun at word `at` can mean, with the attribute that the noun itself implies, if any.
     pub(super) fn nouns(&self, at: usize) -> Vec<(String, Option<Clause>, usize)> {
         let mut found = Vec::new();
         for (category, end) in self.categories(at, false) {
@@ -255,7 +260,8 @@ impl Reader<'_, '_> {
         found
     }
 
-    /// Categories that are named at a place; of those that end alike, those that the scene has.
+    /// Categories that are named at word `at`. Of those that as many words name, the ones of the scene are kept if
+    /// there are any, then the ones whose own singular or plural these words are.
     pub(super) fn categories(&self, at: usize, plural: bool) -> Readings<String> {
         let rest = self.rest(at);
         let named = if plural { lexicon().plural_at(rest) } else { lexicon().singular_at(rest) };
@@ -264,30 +270,31 @@ impl Reader<'_, '_> {
         lengths.sort_unstable_by(|a, b| b.cmp(a));
         lengths.dedup();
         for length in lengths {
-            let alike: Vec<&str> =
+            let same_words: Vec<&str> =
                 named.iter().filter(|(_, other)| *other == length).map(|(category, _)| *category).collect();
             let words = rest[..length].join(" ");
-            let is_own = |category: &&str| {
+            let is_exact = |category: &&str| {
                 lexicon()
                     .noun(category)
                     .is_some_and(|noun| if plural { noun.plural == words } else { noun.singular == words })
             };
             let present: Vec<&str> =
-                alike.iter().filter(|category| self.words.has_category(category)).copied().collect();
-            let pool = if present.is_empty() { alike } else { present };
-            let own: Vec<&str> = pool.iter().filter(|category| is_own(category)).copied().collect();
-            let pool = if own.is_empty() { pool } else { own };
+                same_words.iter().filter(|category| self.words.has_category(category)).copied().collect();
+            let pool = if present.is_empty() { same_words } else { present };
+            let exact: Vec<&str> = pool.iter().filter(|category| is_exact(category)).copied().collect();
+            let pool = if exact.is_empty() { pool } else { exact };
             let end = self.reached(at + length);
             found.extend(pool.into_iter().map(|category| (category.to_owned(), end)));
         }
         found
     }
 
-    /// What follows the noun, as often as it goes on.
+    /// Sequences of postmodifiers of `noun`, and whether a relative clause is among them; also the empty one.
     pub(super) fn after_noun(&self, at: usize, noun: &str) -> Readings<(Vec<Clause>, bool)> {
         let mut found = vec![((Vec::new(), false), at)];
         for ((clauses, is_relative), next) in self.modifier(at, noun) {
-            // "and" joins what is alike: "on the tray and beside the lamp", "that rolls and that a hand lifts".
+            // "and" joins two relative clauses or two other modifiers, not one of each: "on the tray and beside the
+            // lamp", "that rolls and that a hand lifts".
             let (next, is_joined) = match self.any_of(next, "and") {
                 Some(after) if !self.is_end(after) => (after, true),
                 _ => (next, false),
@@ -307,6 +314,7 @@ impl Reader<'_, '_> {
         distinct(found)
     }
 
+    /// One postmodifier, and whether it is a relative clause.
     fn modifier(&self, at: usize, noun: &str) -> Readings<(Vec<Clause>, bool)> {
         let plain = self.state(at, noun).into_iter();
         let mut found: Readings<(Vec<Clause>, bool)> =

@@ -1,29 +1,30 @@
-//! From a text to plain words: contractions, misspellings, idioms, and what carries nothing.
+//! Normalises a sentence to plain words: expands contractions, repairs misspellings, rewrites idioms, marks the ends of
+//! the clip, and drops what no predicate holds (requests, adverbs). Knows no grammar.
 
 use std::collections::BTreeSet;
 
 use super::data::data;
 
-/// Words that are no longer than this are not repaired.
+/// Words of at most so many letters are not repaired.
 const SHORT: usize = 2;
-/// Words of at least this length may have two letters wrong.
+/// Words of at least so many letters may be repaired by two edits instead of one.
 const LONG: usize = 6;
-/// Rounds of rewriting: an idiom may give another.
+/// Most rounds of rewriting: what an idiom is rewritten to may be part of another.
 const ROUNDS: usize = 4;
 
 /// A sentence made plain.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Plain {
     pub(super) words: Vec<String>,
-    /// What was written, and what was read.
+    /// Misspelled words and what they were repaired to.
     pub(super) repairs: Vec<(String, String)>,
-    /// Words that mean nothing here.
+    /// Words that are not English and resemble no known word.
     pub(super) unknown: Vec<String>,
-    /// How many words there were.
+    /// Number of words before any was dropped, without commas.
     pub(super) length: usize,
 }
 
-/// The words of a text. `preferred` are the words of the scene, which misspellings rather mean.
+/// Normalises a text. A misspelling is repaired to one of `preferred`, the words of the scene, before others.
 pub(super) fn plain(text: &str, preferred: &BTreeSet<String>) -> Plain {
     let mut words = Vec::new();
     for word in spelled(text) {
@@ -49,7 +50,7 @@ pub(super) fn plain(text: &str, preferred: &BTreeSet<String>) -> Plain {
             None => unknown.push(word.clone()),
         }
     }
-    // How something is done is in no predicate.
+    // Adverbs of manner: no predicate says how something is done.
     let is_adverb = |word: &String| word.len() > 4 && word.ends_with("ly") && !data().is_known(word);
     words.retain(|word| !is_adverb(word));
     Plain {
@@ -60,7 +61,7 @@ pub(super) fn plain(text: &str, preferred: &BTreeSet<String>) -> Plain {
     }
 }
 
-/// Lower-case words and "," for every pause.
+/// Lower-case words, and "," for every punctuation mark between them.
 fn spelled(text: &str) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let mut word = String::new();
@@ -91,7 +92,7 @@ fn spelled(text: &str) -> Vec<String> {
     found
 }
 
-/// "doesn't" as two words, "it's" as two.
+/// Expands a contraction: "doesn't" is two words, "it's" too.
 fn contract(word: &str, words: &mut Vec<String>) {
     let mut push = |parts: &[&str]| words.extend(parts.iter().map(|part| (*part).to_owned()));
     match word {
@@ -149,40 +150,41 @@ fn repaired(word: &str, preferred: &BTreeSet<String>) -> Option<String> {
     if let Some(plural) = plural.filter(|plural| data().is_known(plural)) {
         return Some(plural);
     }
-    let most = if letters.len() >= LONG { 2 } else { 1 };
-    /// How far, whether elsewhere, whether it starts otherwise, and how much longer or shorter.
+    let max_distance = if letters.len() >= LONG { 2 } else { 1 };
+    /// Edit distance, whether the scene lacks the word, whether the first letter differs, difference in length.
     type Rank = (usize, bool, bool, usize);
     let mut best: Option<(Rank, &str)> = None;
     for other in data().known() {
         let length = other.chars().count();
-        if length <= SHORT || length.abs_diff(letters.len()) > most {
+        if length <= SHORT || length.abs_diff(letters.len()) > max_distance {
             continue;
         }
         let others: Vec<char> = other.chars().collect();
         let distance = edit_distance(&letters, &others);
         let starts_alike = letters[0] == others[0];
-        // "Teh" is "the"; three letters of which another is wrong are any word.
-        let is_swap = {
+        // "Teh" is "the". Any other edit of three letters reaches too many words, unless it gives a longer one of the
+        // scene.
+        let is_anagram = {
             let (mut a, mut b) = (letters.clone(), others.clone());
             a.sort_unstable();
             b.sort_unstable();
             a == b
         };
-        if distance > most
-            || (letters.len() <= 3 && !is_swap && !(preferred.contains(other) && length > letters.len()))
+        if distance > max_distance
+            || (letters.len() <= 3 && !is_anagram && !(preferred.contains(other) && length > letters.len()))
             || (!starts_alike && distance > 1)
         {
             continue;
         }
         let rank = (distance, !preferred.contains(other), !starts_alike, length.abs_diff(letters.len()));
-        if best.is_none_or(|(least, _)| rank < least) {
+        if best.is_none_or(|(best_rank, _)| rank < best_rank) {
             best = Some((rank, other));
         }
     }
     best.map(|(_, other)| other.to_owned())
 }
 
-/// Insertions, deletions, changes and swaps of neighbours.
+/// Damerau-Levenshtein distance (optimal string alignment): insertions, deletions, substitutions, swaps of neighbours.
 fn edit_distance(a: &[char], b: &[char]) -> usize {
     let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
     for i in 0..=a.len() {
@@ -190,8 +192,8 @@ fn edit_distance(a: &[char], b: &[char]) -> usize {
             rows[i][j] = if i == 0 || j == 0 {
                 i + j
             } else {
-                let change = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-                let mut least = change.min(rows[i - 1][j] + 1).min(rows[i][j - 1] + 1);
+                let substituted = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+                let mut least = substituted.min(rows[i - 1][j] + 1).min(rows[i][j - 1] + 1);
                 if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
                     least = least.min(rows[i - 2][j - 2] + 1);
                 }
@@ -202,21 +204,21 @@ fn edit_distance(a: &[char], b: &[char]) -> usize {
     rows[a.len()][b.len()]
 }
 
-/// Without preambles and idioms.
+/// Without preambles, with idioms and "'s" rewritten, until nothing changes.
 fn rewritten(mut words: Vec<String>) -> Vec<String> {
     for _ in 0..ROUNDS {
         words = without_preamble(words);
         let mut found: Vec<String> = Vec::new();
         let mut at = 0;
         while at < words.len() {
-            // "That is got", "it is got": the contraction of "has".
             let next = words.get(at + 1).map_or("", String::as_str);
-            // "The cook's got", "a hand's writing".
+            // "The cook's got".
             if words[at] == "'s" && (next == "got" || next == "been") {
                 found.push("has".to_owned());
                 at += if next == "got" { 2 } else { 1 };
                 continue;
             }
+            // "A hand's writing".
             if words[at] == "'s"
                 && (next.ends_with("ing")
                     || matches!(
@@ -258,6 +260,7 @@ fn rewritten(mut words: Vec<String>) -> Vec<String> {
                 at += 1;
                 continue;
             }
+            // "It's got" was expanded to "it is got".
             if words[at] == "is" && words.get(at + 1).is_some_and(|next| next == "got") {
                 found.push("has".to_owned());
                 at += 2;
@@ -282,7 +285,8 @@ fn rewritten(mut words: Vec<String>) -> Vec<String> {
     words
 }
 
-/// With "@start" and "@end" for what names an end of the clip: "when the recording gets going", "right at the very end".
+/// With "@start" and "@end" in place of phrases for the ends of the clip ("when the recording gets going", "right at
+/// the very end"), and "while" in place of those for a part of it ("during the part where").
 fn with_edges(words: Vec<String>) -> Vec<String> {
     const CLIP: &str = " clip video scene film footage action recording sequence movie animation shot everything things camera all it story tape ";
     const STARTS: &str = " start starts started begin begins began beginning open opens opening opened outset going underway rolling onset kicks commences starting ";
@@ -329,8 +333,8 @@ fn with_edges(words: Vec<String>) -> Vec<String> {
                     continue;
                 }
                 let tail = skip(" when while that where in which during for ", end);
-                let is_gate = tail > end || !is_bare && is_in(" it she he they ", end);
-                if is_gate {
+                let is_while = tail > end || !is_bare && is_in(" it she he they ", end);
+                if is_while {
                     // "Show me the part where the cat walks."
                     found.push("while".to_owned());
                     at = tail;
@@ -393,7 +397,7 @@ fn with_edges(words: Vec<String>) -> Vec<String> {
     found
 }
 
-/// Without a request at the end: ", which one is it".
+/// Without requests at the end (", which one is it"), as long as more than two words remain.
 fn without_ending(mut words: Vec<String>) -> Vec<String> {
     while let Some(ending) =
         data().endings.iter().filter(|ending| words.ends_with(ending)).max_by_key(|ending| ending.len())
@@ -404,13 +408,14 @@ fn without_ending(mut words: Vec<String>) -> Vec<String> {
     words
 }
 
-/// Without what is said of others at the end: "rather than the green one", "since the rest are wide".
+/// Without a contrast with other things at the end: "rather than the green one", "since the rest are wide".
 fn without_contrast(mut words: Vec<String>) -> Vec<String> {
     let at = (3..words.len()).find(|at| data().contrasts.longest(&words[*at..]).1 > 0);
     words.truncate(at.unwrap_or(words.len()));
     words
 }
 
+/// Without requests at the start: "show me", "who is".
 pub(super) fn without_preamble(mut words: Vec<String>) -> Vec<String> {
     // "Not a white duck but the black one."
     if words.first().is_some_and(|word| word == "not")
@@ -419,7 +424,7 @@ pub(super) fn without_preamble(mut words: Vec<String>) -> Vec<String> {
         words.drain(..=but);
     }
     loop {
-        // "Who is the cook that" describes; "who kicks the ball" asks for anybody.
+        // "Who is the cook that" describes the cook; "who kicks the ball" asks for anyone who does.
         if words.first().is_some_and(|word| word == "who") {
             let next = words.get(2).map_or("", String::as_str);
             if words.get(1).is_some_and(|word| word == "is")
@@ -435,7 +440,6 @@ pub(super) fn without_preamble(mut words: Vec<String>) -> Vec<String> {
             let pause = usize::from(words.first().is_some_and(|word| word == ","));
             return words.split_off(pause);
         }
-        // "Watch" alone is a preamble only before a description.
         words = words.split_off(length);
     }
 }
@@ -457,7 +461,7 @@ mod tests {
     }
 
     #[test]
-    fn idioms_become_plain() {
+    fn idioms_requests_and_ends_of_the_clip_are_rewritten() {
         assert_eq!(
             words("Show me the dog that's fast asleep when the clip ends, please"),
             "the dog that is sleeping @end ,"

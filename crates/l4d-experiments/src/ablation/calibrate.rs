@@ -263,7 +263,7 @@ impl Trials<'_> {
         let believed: Vec<usize> = (0..clips.len()).filter(found).collect();
         let scene = &subject.judged.scene;
         let evidence = Evidence::of(clips, &groundings, &believed)?;
-        let lifted = lift(&scene.canvas(self.rasterizer), &evidence, &self.settings.lift)?;
+        let lifted = lift(&scene.rendered(self.rasterizer), &evidence, &self.settings.lift)?;
         let masks = scene.masks(self.rasterizer, lifted.as_ref(), &subject.judged.plan)?;
         let miou = subject.judged.tally(query, &masks)?.ratios().miou;
         self.known.insert(key, miou);

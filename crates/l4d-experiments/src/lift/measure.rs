@@ -6,7 +6,7 @@ use l4d_data::Query;
 use l4d_ground::{Grounder, Grounding, Question};
 use l4d_masks::Mask;
 use l4d_solve::consensus::{Preset, Proposal, consensus};
-use l4d_solve::lift::{Canvas, Evidence, LiftSettings, lift};
+use l4d_solve::lift::{Evidence, LiftSettings, RenderedModel, lift};
 use l4d_splat::raster::Rasterizer;
 
 use super::flicker::flicker;
@@ -54,9 +54,9 @@ impl<'a> Subject<'a> {
     ) -> Result<Option<Sample>> {
         let Self { judged, query, evidence, .. } = self;
         // No lift profits from what the one before it has worked out.
-        let canvas = Canvas { states: None, ..judged.scene.canvas(rasterizer) };
+        let rendered = RenderedModel { states: None, ..judged.scene.rendered(rasterizer) };
         let begin = Instant::now();
-        let lifted = lift(&canvas, evidence, lift_settings)?;
+        let lifted = lift(&rendered, evidence, lift_settings)?;
         let lift_seconds = begin.elapsed().as_secs_f64();
         let begin = Instant::now();
         let masks = judged.scene.masks(rasterizer, lifted.as_ref(), &judged.plan)?;

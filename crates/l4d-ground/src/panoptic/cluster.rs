@@ -1,17 +1,18 @@
-//! Segments of all pictures -> things, by the Gaussians that they show.
+//! Clusters the segments of all pictures into things, by the Gaussians that they show.
 //!
-//! Two segments are of one thing if the pictures that see the Gaussians of both show them as one segment, however far
-//! apart the cameras are: those in between tell (the view consensus of MaskClustering, CVPR 2024). A thing that moves is
-//! followed by its Gaussians.
+//! Two segments are of one thing if the pictures that see the Gaussians of both show them as one segment: the view
+//! consensus of MaskClustering (CVPR 2024), from which the words observer and supporter are. The two cameras may be far
+//! apart, since pictures from in between decide. A thing may move, since it keeps its Gaussians over time. Knows
+//! neither colours nor words.
 
-/// Pixels of its Gaussians from which a picture says something of a segment.
+/// Pixels of a segment's Gaussians that a picture has to see to be its observer.
 const LEAST_PX: f32 = 3.0;
-/// Share of them that must be in one segment there.
+/// Share of those pixels that must be in one segment there.
 const MAIN_SHARE: f32 = 0.4;
-/// Share of the pictures that must agree, with [`DOUBT`] more that do not.
-const LEAST_AGREEMENT: f32 = 0.4;
-/// Pictures that disagree with everything.
-const DOUBT: f32 = 1.0;
+/// Consensus rate from which two groups are joined.
+const LEAST_CONSENSUS_RATE: f32 = 0.4;
+/// Added to the observers, so that one picture alone does not make a rate of 1.
+const EXTRA_OBSERVERS: f32 = 1.0;
 /// Share of what is seen of a Gaussian that must be of a thing.
 const OWN_SHARE: f32 = 0.3;
 
@@ -20,12 +21,12 @@ const OWN_SHARE: f32 = 0.3;
 pub(super) struct Shown {
     /// The segment that it shows in, from 1; 0 for the background.
     pub(super) label: Vec<u16>,
-    /// How much of it is seen, pixels.
+    /// Sum of its blend weights over the picture, pixels.
     pub(super) seen_px: Vec<f32>,
 }
 
 impl Shown {
-    /// From the sums of blend weights by label, `labels` numbers a Gaussian.
+    /// From the sums of blend weights by Gaussian and label, \[Gaussians\]\[labels\].
     pub(super) fn of_sums(sums: &[f32], labels: usize) -> Self {
         let rows = || sums.chunks_exact(labels.max(1));
         Self {
@@ -34,7 +35,7 @@ impl Shown {
         }
     }
 
-    /// Pixels of these Gaussians.
+    /// Pixels that these Gaussians fill.
     fn seen(&self, elements: &[u32]) -> f32 {
         elements.iter().map(|&element| self.seen_px[element as usize]).sum()
     }
@@ -58,7 +59,7 @@ impl Shown {
 /// A thing that was found in a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Segment {
-    /// Number of its picture.
+    /// Index of its picture.
     pub(super) picture: usize,
     /// Its label there, from 1.
     pub(super) label: u16,
@@ -66,18 +67,18 @@ pub(super) struct Segment {
     pub(super) area_px: u64,
 }
 
-/// A thing: its segments, and its Gaussians.
+/// A thing.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Cluster {
-    /// Numbers of its segments.
+    /// Indices of its segments.
     pub(super) segments: Vec<usize>,
-    /// Its Gaussians.
+    /// Indices of its Gaussians.
     pub(super) elements: Vec<u32>,
-    /// Pictures that may show it.
-    pub(super) in_sight: usize,
+    /// Number of pictures that see enough of its Gaussians to show it.
+    pub(super) observer_count: usize,
 }
 
-/// The things that segments are of; those with the most pixels first.
+/// Clusters segments into things; those with the most pixels first, those without Gaussians left out.
 pub(super) fn clusters(pictures: &[Shown], segments: &[Segment]) -> Vec<Cluster> {
     let mut groups = Agreement::of(pictures, segments).groups();
     let pixels = |group: &Vec<usize>| group.iter().map(|&number| segments[number].area_px).sum::<u64>();
@@ -85,7 +86,7 @@ pub(super) fn clusters(pictures: &[Shown], segments: &[Segment]) -> Vec<Cluster>
     of_groups(pictures, segments, groups).filter(|cluster| !cluster.elements.is_empty()).collect()
 }
 
-/// Segments that are known to be of things: those of label k + 1 in every picture are of thing k.
+/// The clusters of segments whose things are known: label k + 1 means thing k in every picture.
 pub(super) fn labelled(pictures: &[Shown], segments: &[Segment], things: usize) -> Vec<Cluster> {
     let mut groups = vec![Vec::new(); things];
     segments.iter().enumerate().for_each(|(number, one)| groups[usize::from(one.label) - 1].push(number));
@@ -97,19 +98,23 @@ fn of_groups(
     segments: &[Segment],
     groups: Vec<Vec<usize>>,
 ) -> impl Iterator<Item = Cluster> {
-    let in_sight =
+    let observer_count =
         |elements: &[u32]| pictures.iter().filter(|shown| shown.seen(elements) >= LEAST_PX).count();
     let owned = owned(pictures, segments, &groups);
     let clusters = groups.into_iter().zip(owned);
-    clusters.map(move |(segments, elements)| Cluster { in_sight: in_sight(&elements), segments, elements })
+    clusters.map(move |(segments, elements)| Cluster {
+        observer_count: observer_count(&elements),
+        segments,
+        elements,
+    })
 }
 
-/// Where the largest of some numbers is, the first of equals.
+/// Index of the largest number, the first of equals.
 pub(super) fn largest(values: &[f32]) -> Option<usize> {
     (0..values.len()).rev().max_by(|a, b| values[*a].total_cmp(&values[*b]))
 }
 
-/// The Gaussians of each group: those that pictures show in its segments more than in those of any other.
+/// The Gaussians of each group: those that pictures show more in its segments than in those of any other group.
 fn owned(pictures: &[Shown], segments: &[Segment], groups: &[Vec<usize>]) -> Vec<Vec<u32>> {
     let mut group_of: Vec<Vec<usize>> = vec![Vec::new(); pictures.len()];
     for (group, members) in groups.iter().enumerate() {
@@ -143,11 +148,12 @@ fn owned(pictures: &[Shown], segments: &[Segment], groups: &[Vec<usize>]) -> Vec
     owned
 }
 
-/// How many pictures see the Gaussians of two groups of segments, and how many of them show both as one.
+/// For each pair of groups of segments its observers, the pictures that see the Gaussians of both, and its supporters,
+/// the observers that show both as one segment. Symmetric matrices of `count` rows.
 struct Agreement {
     count: usize,
-    same: Vec<f32>,
-    both: Vec<f32>,
+    supporters: Vec<f32>,
+    observers: Vec<f32>,
 }
 
 impl Agreement {
@@ -163,7 +169,7 @@ impl Agreement {
         };
         let rows: Vec<Vec<u16>> = segments.iter().map(&mut shown_as).collect();
         let count = rows.len();
-        let (mut same, mut both) = (vec![0.0; count * count], vec![0.0; count * count]);
+        let (mut supporters, mut observers) = (vec![0.0; count * count], vec![0.0; count * count]);
         for first in 0..count {
             for second in first + 1..count {
                 let (mut agree, mut see) = (0u32, 0u32);
@@ -173,20 +179,21 @@ impl Agreement {
                     agree += u32::from(is_seen && a == b);
                 }
                 for at in [first * count + second, second * count + first] {
-                    same[at] = agree as f32;
-                    both[at] = see as f32;
+                    supporters[at] = agree as f32;
+                    observers[at] = see as f32;
                 }
             }
         }
-        Self { count, same, both }
+        Self { count, supporters, observers }
     }
 
-    fn rate(&self, first: usize, second: usize) -> f32 {
+    fn consensus_rate(&self, first: usize, second: usize) -> f32 {
         let at = first * self.count + second;
-        self.same[at] / (self.both[at] + DOUBT)
+        self.supporters[at] / (self.observers[at] + EXTRA_OBSERVERS)
     }
 
-    /// Joins the two groups that agree best, again and again, until none agree enough.
+    /// Agglomerative clustering: joins the two groups with the highest consensus rate until none reaches
+    /// [`LEAST_CONSENSUS_RATE`]. Gives indices of segments.
     fn groups(mut self) -> Vec<Vec<usize>> {
         let count = self.count;
         let mut groups: Vec<Vec<usize>> = (0..count).map(|number| vec![number]).collect();
@@ -194,14 +201,14 @@ impl Agreement {
         loop {
             let likeliest = (0..count).filter_map(|row| best[row].map(|(rate, other)| (rate, row, other)));
             let likeliest = likeliest.reduce(|a, b| if b.0 > a.0 { b } else { a });
-            let Some((_, first, second)) = likeliest.filter(|found| found.0 >= LEAST_AGREEMENT) else {
+            let Some((_, first, second)) = likeliest.filter(|found| found.0 >= LEAST_CONSENSUS_RATE) else {
                 break;
             };
             let (into, from) = (first.min(second), first.max(second));
             let moved = std::mem::take(&mut groups[from]);
             groups[into].extend(moved);
             for other in (0..count).filter(|&other| other != into && other != from) {
-                for sums in [&mut self.same, &mut self.both] {
+                for sums in [&mut self.supporters, &mut self.observers] {
                     let sum = sums[into * count + other] + sums[from * count + other];
                     sums[into * count + other] = sum;
                     sums[other * count + into] = sum;
@@ -212,8 +219,8 @@ impl Agreement {
             for row in (0..count).filter(|&row| row != into && !groups[row].is_empty()) {
                 match best[row] {
                     Some((_, other)) if other == into || other == from => best[row] = self.best(row, &groups),
-                    Some((rate, _)) if rate < self.rate(row, into) => {
-                        best[row] = Some((self.rate(row, into), into));
+                    Some((rate, _)) if rate < self.consensus_rate(row, into) => {
+                        best[row] = Some((self.consensus_rate(row, into), into));
                     }
                     _ => {}
                 }
@@ -223,10 +230,11 @@ impl Agreement {
         groups
     }
 
-    /// The group that agrees best with another.
+    /// The group with the highest consensus rate with group `row`, the first of equals; none if all rates are 0.
     fn best(&self, row: usize, groups: &[Vec<usize>]) -> Option<(f32, usize)> {
         let others = (0..self.count).filter(|&other| other != row && !groups[other].is_empty());
-        let rates = others.map(|other| (self.rate(row, other), other)).filter(|(rate, _)| *rate > 0.0);
+        let rates =
+            others.map(|other| (self.consensus_rate(row, other), other)).filter(|(rate, _)| *rate > 0.0);
         rates.reduce(|a, b| if b.0 > a.0 { b } else { a })
     }
 }
@@ -255,11 +263,11 @@ mod tests {
         assert_eq!(found.len(), 2, "{found:?}");
         assert_eq!(found[0].elements, [0, 1]);
         assert_eq!(found[1].elements, [2, 3]);
-        assert!(found.iter().all(|cluster| cluster.segments.len() == 3 && cluster.in_sight == 3));
+        assert!(found.iter().all(|cluster| cluster.segments.len() == 3 && cluster.observer_count == 3));
     }
 
     #[test]
-    fn what_one_picture_takes_for_one_thing_stays_two_if_the_others_tell_them_apart() {
+    fn two_things_that_one_picture_merges_stay_two_if_the_others_separate_them() {
         let apart = || shown(&[1, 2], &[9.0, 9.0]);
         let pictures = [apart(), shown(&[1, 1], &[9.0, 9.0]), apart(), apart()];
         let segments = [(0, 1), (0, 2), (1, 1), (2, 1), (2, 2), (3, 1), (3, 2)];
@@ -269,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_found_in_nothing() {
+    fn no_pictures_or_no_gaussians_give_no_clusters() {
         assert!(clusters(&[], &[]).is_empty());
         assert!(clusters(&[shown(&[], &[])], &[segment(0, 1)]).is_empty());
     }

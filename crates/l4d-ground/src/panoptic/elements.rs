@@ -5,7 +5,7 @@ use l4d_data::StageError;
 use crate::clip::ViewClip;
 
 /// The Gaussians of a scene, and how views show them.
-pub trait Elements: Sync {
+pub trait GaussianProjector: Sync {
     /// For each of them the sums of its blend weights over the pixels of a picture, times what `pixels` holds there:
     /// `channels` numbers each.
     ///

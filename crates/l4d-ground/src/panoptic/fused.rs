@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use super::believe::Scene;
 use super::bodies::{joined, steadied};
 use super::cluster::{Cluster, Segment, Shown, clusters, labelled, largest};
-use super::elements::Elements;
+use super::elements::GaussianProjector;
 use super::given::{Given, Part};
 use super::look::{Things, look_at_all, mean_of, picture_of, presence, scene_of, weight};
 use super::perceive::{Body, Perceived, Track};
@@ -56,7 +56,7 @@ impl Fused {
     pub fn new(
         panoptic: Arc<Panoptic>,
         clips: &[ViewClip],
-        elements: &dyn Elements,
+        elements: &dyn GaussianProjector,
         given: Option<Given>,
     ) -> Result<Self, StageError> {
         let known = given.as_ref().filter(|given| given.gives(Part::Things));
@@ -215,7 +215,7 @@ fn instances(
 }
 
 impl Picture<'_> {
-    fn shown(&self, elements: &dyn Elements) -> Result<Shown, StageError> {
+    fn shown(&self, elements: &dyn GaussianProjector) -> Result<Shown, StageError> {
         let channels = self.seen.found.len() + 1;
         let mut pixels = vec![0.0; self.seen.labels.len() * channels];
         for (row, &label) in pixels.chunks_exact_mut(channels).zip(&self.seen.labels) {
@@ -226,7 +226,12 @@ impl Picture<'_> {
     }
 
     /// The thing that each pixel shows, as far as the Gaussians tell.
-    fn drawn(&self, elements: &dyn Elements, owners: &[u16], things: usize) -> Result<Vec<u16>, StageError> {
+    fn drawn(
+        &self,
+        elements: &dyn GaussianProjector,
+        owners: &[u16],
+        things: usize,
+    ) -> Result<Vec<u16>, StageError> {
         let channels = things + 1;
         let mut features = vec![0.0; owners.len() * channels];
         for (row, &owner) in features.chunks_exact_mut(channels).zip(owners) {
@@ -275,7 +280,7 @@ fn things(
     let (kinds, values) = clusters.iter().map(described).unzip();
     let presence_of = |cluster: &Cluster| {
         let seen: BTreeSet<usize> = cluster.segments.iter().map(|&number| segments[number].picture).collect();
-        presence(seen.len().min(cluster.in_sight), cluster.in_sight)
+        presence(seen.len().min(cluster.observer_count), cluster.observer_count)
     };
     Things {
         kinds,

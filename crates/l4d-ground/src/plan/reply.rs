@@ -1,7 +1,8 @@
 //! Reading a plan from a model's reply.
 //!
 //! Models are asked for one shape and answer in many: a bare list instead of an object, `bbox_2d` beside or above the
-//! time, times as text, prose and fences around it. Whatever says the same is read the same way.
+//! time, times as text, prose and code fences around the JSON. All shapes with the same content give the same plan.
+//! Asks nothing itself, and does not know what a plan is carried out with.
 
 use l4d_endpoint::coordinates::WrittenBox;
 use l4d_endpoint::{BoxPx, Convention, EndpointError, Reply, one_line};
@@ -13,10 +14,10 @@ use super::clock::Clock;
 use super::objects::numbered;
 use crate::grounder::Outcome;
 
-/// Longest words that are passed on, characters; the rest is cut.
-const LONGEST_WORDS: usize = 300;
-/// No answer says more of boxes; what follows is not read.
-const MOST_PLACES: usize = 1024;
+/// Characters of an expression or noun phrase that are passed on; the rest is cut.
+const MAX_WORDS_CHARS: usize = 300;
+/// Boxes that are read from one reply; what follows is counted only.
+const MAX_BOXES: usize = 1024;
 /// Characters of a reply that an outcome quotes.
 const EXCERPT: usize = 160;
 
@@ -32,7 +33,7 @@ pub(crate) enum Wanted {
 /// What the model was shown.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SentPictures<'a> {
-    /// Labels of the pictures.
+    /// The times at which pictures were sent.
     pub(crate) clock: &'a Clock,
     /// Width and height of the pictures that were sent, pixels.
     pub(crate) size: (u32, u32),
@@ -42,8 +43,8 @@ pub(crate) struct SentPictures<'a> {
     pub(crate) convention: &'a Convention,
 }
 
-/// Reads a plan. The outcome is found if it can be carried out, and absent if the model says that the view does not
-/// show it; otherwise the plan is without use.
+/// Reads a plan. The outcome is `Found` if the plan can be carried out, and `Absent` if the model says that the view
+/// does not show the referent; with any other outcome the plan is of no use.
 pub(crate) fn read(reply: &Reply, wanted: Wanted, pictures: &SentPictures<'_>) -> (Outcome, GroundingPlan) {
     let mut plan = GroundingPlan::default();
     let document = match document(reply) {
@@ -72,7 +73,7 @@ pub(crate) fn document(reply: &Reply) -> Result<Value, Outcome> {
     }
 }
 
-/// What a reply's JSON may be. Numbers in brackets, as prose has them, are passed over.
+/// JSON that can be a plan. Other JSON in a reply, such as the `[1]` of prose, is passed over.
 struct Document(Value);
 
 impl<'de> Deserialize<'de> for Document {
@@ -114,11 +115,11 @@ fn read_words(document: &Value, plan: &mut GroundingPlan) -> Outcome {
 }
 
 fn read_boxes(document: &Value, pictures: &SentPictures<'_>, plan: &mut GroundingPlan) -> Outcome {
-    let mut places = Places { pictures, found: Vec::new(), seen: 0, outside: 0, unusable: 0, timeless: 0 };
-    places.gather(document, When::Unsaid);
-    places.note(&mut plan.notes);
-    let seen = places.seen;
-    let (keyframes, dropped) = numbered(places.found);
+    let mut boxes = BoxReader { pictures, found: Vec::new(), seen: 0, outside: 0, unusable: 0, timeless: 0 };
+    boxes.gather(document, When::Unstated);
+    boxes.note(&mut plan.notes);
+    let seen = boxes.seen;
+    let (keyframes, dropped) = numbered(boxes.found);
     if dropped > 0 {
         plan.notes.push(format!("{dropped} boxes were left out: repeated, or more than a sentence can mean"));
     }
@@ -138,10 +139,10 @@ fn read_boxes(document: &Value, pictures: &SentPictures<'_>, plan: &mut Groundin
     }
 }
 
-/// Whether the answer is a list of nothing, with or without an object around it.
+/// Whether the answer is an empty list, with or without an object around it.
 fn is_empty_list(document: &Value) -> bool {
     let is_empty = |value: &Value| value.as_array().is_some_and(Vec::is_empty);
-    // Times at which nothing holds say nothing about places.
+    // An empty list of times says nothing about boxes.
     let of_boxes = |(name, value): (&String, &Value)| name != "intervals" && is_empty(value);
     is_empty(document) || document.as_object().is_some_and(|fields| fields.iter().any(of_boxes))
 }
@@ -161,32 +162,37 @@ fn visible(document: &Value) -> Option<bool> {
 
 fn words(document: &Value, keys: &[&str]) -> String {
     let text = keys.iter().find_map(|key| document.get(*key)?.as_str()).unwrap_or_default();
-    one_line(text, LONGEST_WORDS)
+    one_line(text, MAX_WORDS_CHARS)
 }
 
-/// Which picture a part of an answer speaks of.
+/// Which picture a part of an answer is about.
 #[derive(Clone, Copy)]
 enum When {
     /// It does not say.
-    Unsaid,
-    /// This canonical frame.
+    Unstated,
+    /// The one at this canonical frame.
     At(u32),
-    /// A time at which no picture was sent.
-    Nowhere,
+    /// It says a time at which no picture was sent.
+    NotSent,
 }
 
-/// Boxes of an answer, in whatever place.
-struct Places<'a> {
+/// Collects the boxes of an answer, wherever in it they are.
+struct BoxReader<'a> {
     pictures: &'a SentPictures<'a>,
+    /// Canonical frames, and boxes in pixels of the clip.
     found: Vec<(u32, BoxPx)>,
+    /// All boxes of the answer.
     seen: usize,
+    /// Boxes that reach beyond the range of the convention.
     outside: usize,
+    /// Boxes without an area inside the picture.
     unusable: usize,
+    /// Boxes of no picture that was sent.
     timeless: usize,
 }
 
-impl Places<'_> {
-    /// Goes through the answer; a time counts for everything inside its object.
+impl BoxReader<'_> {
+    /// Goes through a part of the answer; the time in an object holds for everything inside it.
     fn gather(&mut self, value: &Value, when: When) {
         match value {
             Value::Array(items) => items.iter().for_each(|item| self.gather(item, when)),
@@ -209,9 +215,10 @@ impl Places<'_> {
     fn time(&self, fields: &Map<String, Value>) -> Option<When> {
         const KEYS: [&str; 7] = ["time", "timestamp", "second", "seconds", "frame", "frame_index", "image"];
         let time = KEYS.iter().find_map(|key| fields.get(*key))?;
-        Some(self.pictures.clock.frame(time).map_or(When::Nowhere, When::At))
+        Some(self.pictures.clock.frame(time).map_or(When::NotSent, When::At))
     }
 
+    /// Adds a box, converted from the model's convention to pixels of the clip.
     fn take(&mut self, numbers: [f64; 4], when: When) {
         let Some(frame) = self.admit(when) else { return };
         let SentPictures { size: sent, clip, convention, .. } = *self.pictures;
@@ -224,26 +231,27 @@ impl Places<'_> {
         self.found.push((frame, BoxPx { x0: x0 * x, y0: y0 * y, x1: x1 * x, y1: y1 * y }));
     }
 
-    /// The frame of one more place, if it is known and there is room.
+    /// Counts a box and gives its canonical frame; none if that is unknown, or after [`MAX_BOXES`] boxes.
     fn admit(&mut self, when: When) -> Option<u32> {
         self.seen += 1;
-        if self.seen > MOST_PLACES {
+        if self.seen > MAX_BOXES {
             return None;
         }
         let frame = match (when, self.pictures.clock.0.as_slice()) {
             (When::At(frame), _) => Some(frame),
-            // There is no other that could be meant.
-            (When::Unsaid, [only]) => Some(*only),
+            // With a single picture there is no other that could be meant.
+            (When::Unstated, [only]) => Some(*only),
             _ => None,
         };
         self.timeless += usize::from(frame.is_none());
         frame
     }
 
+    /// Says in `notes` what was left out or cut.
     fn note(&self, notes: &mut Vec<String>) {
         let of = format!("of {} boxes", self.seen);
-        if self.seen > MOST_PLACES {
-            notes.push(format!("only {MOST_PLACES} {of} were read"));
+        if self.seen > MAX_BOXES {
+            notes.push(format!("only {MAX_BOXES} {of} were read"));
         }
         if self.timeless > 0 {
             notes.push(format!("{} {of} belong to no picture that was sent", self.timeless));

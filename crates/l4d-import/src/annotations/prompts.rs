@@ -1,4 +1,5 @@
-//! The truth of a scene as prompts with masks: what evaluators of others ask for.
+//! The truth of a scene as prompts with masks, which is what the evaluators of other methods read. Writes no format
+//! itself.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,7 +9,7 @@ use l4d_data::{DataError, Query, Temporal};
 use l4d_masks::Mask;
 use l4d_masks::target;
 
-/// Queries of a scene and the truth that they are judged by.
+/// Queries of a scene with the truth that their answers are compared with.
 #[derive(Debug, Clone)]
 pub struct Judged<'a> {
     truth: &'a Truth,
@@ -24,7 +25,7 @@ pub(super) struct Prompt<'a> {
 }
 
 impl<'a> Judged<'a> {
-    /// Decodes what the queries mean; `path` is that of the truth, for errors.
+    /// Decodes the masks of the queries' referents; `path` is that of the truth, for errors.
     ///
     /// # Errors
     /// Referents that the truth does not have, and damaged masks.
@@ -43,18 +44,18 @@ impl<'a> Judged<'a> {
 }
 
 impl Prompt<'_> {
-    /// Whether the sentence counts at some times only.
+    /// Whether the sentence holds at some times only.
     pub(super) fn is_gated(&self) -> bool {
         self.query.temporal == Temporal::While
     }
 
-    /// The category of a gated sentence.
+    /// Name of the base object, under which 4D LangSplat lists gated sentences.
     pub(super) fn base(&self) -> String {
         base_object(self.query)
     }
 }
 
-/// What is meant, in words of the names of instances: the object that a sentence is about.
+/// The object that a sentence is about, without its times: the names of its referents as words, joined by "and".
 pub(crate) fn base_object(query: &Query) -> String {
     let names: Vec<String> = query.referents.iter().map(|name| name.replace('_', " ")).collect();
     names.join(" and ")

@@ -24,7 +24,7 @@ use super::codes;
 use super::inside::Inside;
 use super::preset::Preset;
 use super::prompts::Prompts;
-use super::relevancy::TextsFile;
+use super::relevancy::TextEmbeddingsFile;
 use super::shift::{Answers, Summits, check_cover, check_frames};
 use super::template::{Captures, Hit, Template};
 
@@ -69,11 +69,11 @@ pub struct Encoders {
     /// Template of the weights of the autoencoder, from the working folder.
     pub decoder: Option<String>,
     /// Sentences as vectors.
-    pub texts: Option<(PathBuf, TextsFile)>,
+    pub texts: Option<(PathBuf, TextEmbeddingsFile)>,
     /// Template of the weights of the autoencoder of time.
     pub time_decoder: Option<String>,
     /// Sentences about a time as vectors.
-    pub time_texts: Option<(PathBuf, TextsFile)>,
+    pub time_texts: Option<(PathBuf, TextEmbeddingsFile)>,
 }
 
 /// What came in.

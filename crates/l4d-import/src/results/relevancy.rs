@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 pub use decoder::Decoder;
 pub use engine::Engine;
-pub use texts::{Texts, TextsFile};
+pub use texts::{TextEmbeddings, TextEmbeddingsFile};
 
 /// How sharp the comparison with the phrases is.
 const SHARPNESS: f32 = 10.0;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use l4d_data::results::{MethodCard, Track};
 use l4d_data::{Name, Profile, Query, QueryId, Report};
 use l4d_import::results::import::{FrameOrder, Identity, Imported, Request, write};
-use l4d_import::results::relevancy::{TextsFile, gate};
+use l4d_import::results::relevancy::{TextEmbeddingsFile, gate};
 use l4d_masks::{Mask, ids, png};
 use l4d_score::judge::Answer;
 use l4d_score::protocols::judge_answers;
@@ -138,7 +138,7 @@ fn weights(width: usize) -> Vec<u8> {
 }
 
 /// Sentences along the axes, with one phrase along the third.
-fn texts(bench: &Bench) -> (PathBuf, TextsFile) {
+fn texts(bench: &Bench) -> (PathBuf, TextEmbeddingsFile) {
     let path = bench.path("texts.npz");
     let positives = npy(&[3, 3], &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0]);
     let bytes = npz(&[
@@ -147,7 +147,7 @@ fn texts(bench: &Bench) -> (PathBuf, TextsFile) {
         ("negatives", npy(&[1, 3], &[0.0, 0.0, 1.0])),
     ]);
     std::fs::write(&path, bytes).unwrap();
-    let file = TextsFile::read(&path).unwrap();
+    let file = TextEmbeddingsFile::read(&path).unwrap();
     assert_eq!(file.queries.len(), 3);
     (path, file)
 }
@@ -250,7 +250,8 @@ fn four_d_langsplat_is_gated_by_its_features_of_time() {
     std::fs::write(&time_texts, bytes).unwrap();
     let both = |request: &mut Request<'_>| {
         request.encoders.texts = Some(texts(&bench));
-        request.encoders.time_texts = Some((time_texts.clone(), TextsFile::read(&time_texts).unwrap()));
+        request.encoders.time_texts =
+            Some((time_texts.clone(), TextEmbeddingsFile::read(&time_texts).unwrap()));
     };
     let (imported, report) = bench.import("4d-langsplat", both);
     assert!(!report.has_errors(), "{:?}", report.into_sorted());

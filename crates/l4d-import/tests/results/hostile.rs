@@ -1,7 +1,7 @@
 //! Hostile files: none panics, none leaves its folder. `l4d-formats` tests its readers itself.
 
 use l4d_import::results::codec;
-use l4d_import::results::relevancy::{Decoder, TextsFile};
+use l4d_import::results::relevancy::{Decoder, TextEmbeddingsFile};
 use l4d_testing::foreign::{npy, npy_texts, npz};
 use proptest::prelude::*;
 
@@ -43,7 +43,7 @@ proptest! {
         let (_folder, path) = written("a.npy", &damaged(&array));
         let _ = Decoder::read(&path);
         let (_folder, path) = written("a.npz", &damaged(&archive));
-        let _ = TextsFile::read(&path);
+        let _ = TextEmbeddingsFile::read(&path);
         let _ = Decoder::read(&path);
         let bench = Bench::new();
         let benchmark = bench.open();

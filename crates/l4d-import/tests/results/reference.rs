@@ -1,6 +1,6 @@
 //! The reference of relevancy: every step as it is defined, pixel by pixel, in double precision.
 
-use l4d_import::results::relevancy::{Decoder, Found, Latents, Rules, Smoothing, Summit, Texts};
+use l4d_import::results::relevancy::{Decoder, Found, Latents, Rules, Smoothing, Summit, TextEmbeddings};
 use l4d_masks::Mask;
 
 /// How sharp the comparison with the phrases is.
@@ -9,11 +9,11 @@ const SHARPNESS: f64 = 10.0;
 /// The definition.
 pub(crate) struct Plain {
     decoder: Decoder,
-    texts: Texts,
+    texts: TextEmbeddings,
 }
 
 impl Plain {
-    pub(crate) fn new(decoder: Decoder, texts: Texts) -> Self {
+    pub(crate) fn new(decoder: Decoder, texts: TextEmbeddings) -> Self {
         Self { decoder, texts }
     }
 

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use l4d_formats::{Tensor, arrays};
 use l4d_import::results::relevancy::decoder::Layer;
-use l4d_import::results::relevancy::{Decoder, Engine, Latents, Rules, Smoothing, Texts, answer, gate};
+use l4d_import::results::relevancy::{
+    Decoder, Engine, Latents, Rules, Smoothing, TextEmbeddings, answer, gate,
+};
 use l4d_masks::Mask;
 use proptest::prelude::*;
 
@@ -39,7 +41,7 @@ fn the_originals_find_the_same() {
     let decoder = Decoder::read(&fixture()).unwrap();
     assert_eq!(decoder.widths(), "3 -> 16 -> 32 -> 64 -> 48");
     let width = decoder.outputs();
-    let texts = Texts::new(width, array("positives").data, array("negatives").data).unwrap();
+    let texts = TextEmbeddings::new(width, array("positives").data, array("negatives").data).unwrap();
     let engine = Engine::new(&decoder, &texts).unwrap();
     let levels = array("levels");
     let [_, height, width, channels] = levels.shape[..] else { panic!("{:?}", levels.shape) };
@@ -109,7 +111,7 @@ proptest! {
         let widths: Vec<usize> = std::iter::once(channels).chain(widths).collect();
         let decoder = decoder(&widths, seed);
         let out = decoder.outputs();
-        let texts = Texts::new(out, noise(out * sentences, seed + 1), noise(out * phrases, seed + 2)).unwrap();
+        let texts = TextEmbeddings::new(out, noise(out * sentences, seed + 1), noise(out * phrases, seed + 2)).unwrap();
         let data = noise((width * height) as usize * channels, seed + 3);
         let latents = Latents { width, height, channels, data: &data };
         let engine = Engine::new(&decoder, &texts).unwrap();
@@ -133,7 +135,7 @@ proptest! {
 #[test]
 fn frames_without_a_negative_number_are_stretched_where_the_rules_say_so() {
     let decoder = decoder(&[3, 8, 12], 5);
-    let texts = Texts::new(12, noise(12, 1), noise(24, 2)).unwrap();
+    let texts = TextEmbeddings::new(12, noise(12, 1), noise(24, 2)).unwrap();
     let engine = Engine::new(&decoder, &texts).unwrap();
     let positive: Vec<f32> = noise(20 * 20 * 3, 9).iter().map(|value| 0.5 + 0.49 * value).collect();
     let stretched: Vec<f32> = positive.iter().map(|value| value * 2.0 - 1.0).collect();
@@ -148,7 +150,7 @@ fn frames_without_a_negative_number_are_stretched_where_the_rules_say_so() {
 #[test]
 fn the_first_of_equal_levels_answers() {
     let decoder = decoder(&[3, 8, 12], 5);
-    let texts = Texts::new(12, noise(12, 1), noise(24, 2)).unwrap();
+    let texts = TextEmbeddings::new(12, noise(12, 1), noise(24, 2)).unwrap();
     let engine = Engine::new(&decoder, &texts).unwrap();
     let data = noise(10 * 10 * 3, 4);
     let level = Latents { width: 10, height: 10, channels: 3, data: &data };
@@ -158,7 +160,7 @@ fn the_first_of_equal_levels_answers() {
 #[test]
 fn the_gate_averages_cosines_of_the_mask_s_pixels() {
     let decoder = decoder(&[6, 20, 40], 5);
-    let texts = Texts::new(40, noise(80, 1), Vec::new()).unwrap();
+    let texts = TextEmbeddings::new(40, noise(80, 1), Vec::new()).unwrap();
     let data = noise(9 * 7 * 6, 4);
     let latents = Latents { width: 9, height: 7, channels: 6, data: &data };
     let mask = Mask::from_fn(9, 7, |col, row| (col + row) % 3 == 0);

@@ -3,7 +3,7 @@
 use l4d_data::{Finding, Report};
 use l4d_import::results::import::Imported;
 use l4d_import::results::preset::Preset;
-use l4d_import::results::relevancy::TextsFile;
+use l4d_import::results::relevancy::TextEmbeddingsFile;
 use l4d_masks::{Mask, png};
 use l4d_testing::foreign::{npy, npy_texts, npz, pth};
 
@@ -51,7 +51,7 @@ fn import_latents(bench: &Bench, width: usize) -> (Imported, Report) {
     ]);
     std::fs::write(&path, bytes).unwrap();
     bench.import("langsplat", |request| {
-        request.encoders.texts = Some((path.clone(), TextsFile::read(&path).unwrap()));
+        request.encoders.texts = Some((path.clone(), TextEmbeddingsFile::read(&path).unwrap()));
     })
 }
 

@@ -1,4 +1,5 @@
-//! What `render-splats` draws: which model, from where, when, how large, and where it goes.
+//! What `render-splats` draws: which model, from which cameras, when, how large, and into which folder. Draws nothing
+//! itself.
 
 use std::path::{Path, PathBuf};
 
@@ -10,26 +11,26 @@ use l4d_splat::source::{ReaderOptions, Source};
 
 use super::{Flight, Instant, Plan, instants_at};
 
-/// What a user asks for; everything that is left out has its default.
+/// What a user asks for; whatever is left out gets its default.
 #[derive(Debug)]
 pub struct Wanted<'a> {
-    /// Scene, if one is meant.
+    /// Scene whose model, cameras and folders are the defaults.
     pub scene: Option<&'a Name>,
     /// Profile and folders.
     pub space: &'a Workspace,
-    /// The model, if not that of the scene.
+    /// Path of the model, if not that of the scene.
     pub model: Option<&'a Path>,
-    /// What is said of a model of others.
+    /// How a model of another program is read.
     pub reader_options: ReaderOptions,
     /// A file of cameras, in place of those of the scene.
     pub cameras: Option<&'a Path>,
     /// Names of the cameras; empty for all training ones.
     pub views: &'a [String],
-    /// A camera that flies along them, in place of them.
+    /// A moving camera along them, in place of them.
     pub flight: Option<Flight>,
-    /// Canonical frames.
+    /// Canonical frames; empty for those of the clip.
     pub frames: &'a [u32],
-    /// Times, 0 to 1, in place of frames.
+    /// Times, 0 to 1 over the clip, in place of frames.
     pub times: &'a [f32],
     /// Width and height of the pictures, pixels.
     pub size: Option<[u32; 2]>,
@@ -37,23 +38,23 @@ pub struct Wanted<'a> {
     pub out: Option<&'a Path>,
 }
 
-/// A model, what is drawn of it, and where that goes.
+/// A model that was opened, what is drawn of it, and into which folder.
 #[derive(Debug)]
 pub struct ClipsRequest {
-    /// Where the model stands.
+    /// Path of the model.
     pub model: PathBuf,
-    /// What was read from there.
+    /// What was read from that path.
     pub source: Source,
     /// Folder of the clips.
     pub out: PathBuf,
-    /// From where and when.
+    /// Cameras, sizes and instants.
     pub plan: Plan,
-    /// When frames were.
+    /// At which time of the clip each frame is.
     pub timeline: Timeline,
 }
 
 impl ClipsRequest {
-    /// Resolves what is wanted. Whatever cannot be drawn is refused before the first file is written.
+    /// Resolves the defaults and opens the model. What cannot be drawn is refused here, before any file is written.
     ///
     /// # Errors
     /// Neither scene nor paths, unknown views, frames or times outside the clip.
@@ -73,7 +74,7 @@ impl ClipsRequest {
                 StageError::new("there are no cameras", "name a scene, or a file with --cameras")
             })?,
         };
-        // A file of cameras says nothing of time; the scene does, where it is at hand.
+        // A file of cameras has no timeline; that of the scene is taken if there is a scene.
         let clip = match wanted.cameras {
             Some(_) => own().ok().flatten().unwrap_or_else(|| rig.clone()),
             None => rig.clone(),
@@ -96,7 +97,7 @@ impl ClipsRequest {
             [] => instants(wanted.frames, &sampling.moments(&clip), timeline)?,
             times => instants_at(times, &cameras)?,
         };
-        // Where nothing says how its times lie in the clip, they can still be asked for as they are.
+        // A model whose times cannot be mapped to frames can still be drawn at explicit times.
         let source = match source.moments {
             Some(Moments::Unknown) if !wanted.times.is_empty() => source,
             _ => source.on(&model, timeline, &clip)?,
@@ -111,7 +112,7 @@ impl ClipsRequest {
     }
 }
 
-/// The views that were asked for, else all training ones; all of a file that has none.
+/// The cameras named by `views`; if that is empty all training ones, or all cameras where none is for training.
 fn chosen(cameras: Vec<Camera>, views: &[String]) -> Result<Vec<Camera>, StageError> {
     let known: Vec<String> = cameras.iter().map(|camera| camera.name.to_string()).collect();
     if let Some(view) = views.iter().find(|view| !known.contains(view)) {
@@ -128,9 +129,9 @@ fn chosen(cameras: Vec<Camera>, views: &[String]) -> Result<Vec<Camera>, StageEr
     Ok(cameras.into_iter().filter(is_meant).collect())
 }
 
-/// Moments at these frames, else at those of the clip, ascending.
-fn instants(frames: &[u32], clip: &[u32], timeline: Timeline) -> Result<Vec<Instant>, StageError> {
-    let frames = timeline.chosen(frames, clip)?;
+/// Instants at these frames, ascending; at those of the clip if there are none.
+fn instants(frames: &[u32], clip_frames: &[u32], timeline: Timeline) -> Result<Vec<Instant>, StageError> {
+    let frames = timeline.chosen(frames, clip_frames)?;
     if frames.is_empty() {
         return Err(StageError::new("nothing says when", "name a scene, --frames or --times"));
     }

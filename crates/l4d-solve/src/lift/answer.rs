@@ -19,10 +19,10 @@ use l4d_splat::raster::Projected;
 use l4d_splat::view::View;
 use serde::Serialize;
 
-use super::canvas::{Canvas, check_time};
 use super::error::LiftError;
 use super::field::Network;
 use super::labels::Labels;
+use super::rendered_model::{RenderedModel, check_time};
 
 /// Schema tag of `lift.json`.
 const SCHEMA: &str = "l4d/lift/1";
@@ -95,10 +95,10 @@ impl Answer {
     ///
     /// # Errors
     /// As [`Self::layer_at`], and what the rasterizer refuses.
-    pub fn mask(&self, canvas: &Canvas<'_>, view: &View, time: f32) -> Result<Mask, LiftError> {
-        let layer = self.layer_at(canvas.model, time)?;
-        let splats = canvas.shapes_at(time)?;
-        let projected = canvas.rasterizer.prepare(&splats, view, canvas.raster)?;
+    pub fn mask(&self, rendered: &RenderedModel<'_>, view: &View, time: f32) -> Result<Mask, LiftError> {
+        let layer = self.layer_at(rendered.model, time)?;
+        let splats = rendered.shapes_at(time)?;
+        let projected = rendered.rasterizer.prepare(&splats, view, rendered.raster)?;
         layer.mask(projected.as_ref(), view)
     }
 

@@ -16,10 +16,10 @@ use l4d_splat::splats::Splats;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::canvas::Canvas;
 use super::error::{LiftError, check_ranges};
 use super::evidence::{Evidence, Instant};
 use super::labels::Labels;
+use super::rendered_model::RenderedModel;
 use graph::Graph;
 use tally::Votes;
 
@@ -77,7 +77,7 @@ impl ClosedSettings {
 
 /// Labels that explain the evidence.
 pub(super) fn labels(
-    canvas: &Canvas<'_>,
+    rendered: &RenderedModel<'_>,
     evidence: &Evidence,
     settings: &ClosedSettings,
 ) -> Result<Labels, LiftError> {
@@ -85,8 +85,8 @@ pub(super) fn labels(
     let instants = evidence.instants()?;
     let (mut votes, mut shapes) = (Vec::new(), Vec::new());
     for instant in &instants {
-        let splats = canvas.shapes_at(instant.time)?;
-        votes.push(tally::votes(canvas, &splats, instant)?);
+        let splats = rendered.shapes_at(instant.time)?;
+        votes.push(tally::votes(rendered, &splats, instant)?);
         shapes.push(splats);
     }
     let state_of = states::states(&votes, settings.change_price);
@@ -99,7 +99,7 @@ pub(super) fn labels(
         let (mut rests, mut seen) = (solution.zeros(), solution.zeros());
         for &time in &step_times {
             let state = state_of[time] as usize;
-            let rest = tally::residual(canvas, &shapes[time], &instants[time], solution.at(time))?;
+            let rest = tally::residual(rendered, &shapes[time], &instants[time], solution.at(time))?;
             add(&mut rests[state], &rest);
             add(&mut seen[state], &votes[time].seen);
         }
@@ -108,7 +108,7 @@ pub(super) fn labels(
     }
     let mut fit = threshold::Fit::default();
     for &time in &threshold_times {
-        fit.add(canvas, &shapes[time], &instants[time], solution.at(time))?;
+        fit.add(rendered, &shapes[time], &instants[time], solution.at(time))?;
     }
     Ok(Labels {
         times: instants.iter().map(|instant| instant.time).collect(),

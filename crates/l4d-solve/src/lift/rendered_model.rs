@@ -1,13 +1,15 @@
-//! What answers are lifted onto: a model, how it is drawn, and what all answers in a scene share of that work.
+//! The model that answers are lifted onto, with the rasterizer that projects it, and a cache that all answers of a
+//! scene share.
 //!
-//! Owns the states of the model without colours, which no lift looks at. Refuses to know what an answer is.
+//! Owns the states of the model at each time, without colours, which lifting does not need. Does not know what an
+//! answer is.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use l4d_data::StageError;
 use l4d_ground::ViewClip;
-use l4d_ground::panoptic::Elements;
+use l4d_ground::panoptic::GaussianProjector;
 use l4d_splat::gaussians::ShDegree;
 use l4d_splat::raster::{Projected, RasterError, RasterSettings, Rasterizer};
 use l4d_splat::splats::{SplatParts, Splats};
@@ -16,20 +18,18 @@ use l4d_splat::{Model, model::ModelError};
 
 use super::error::LiftError;
 
-/// A model and what draws it.
+/// A model with the rasterizer that projects it.
 #[derive(Clone, Copy)]
-pub struct Canvas<'a> {
-    /// What the answer is about.
+pub struct RenderedModel<'a> {
     pub model: &'a Model,
-    /// What draws it.
     pub rasterizer: &'a dyn Rasterizer,
-    /// How; background and quantiles do not matter.
+    /// Background and quantiles have no effect here.
     pub raster: &'a RasterSettings,
-    /// States of the model that others have worked out, or will want; none to work out all of them anew.
+    /// Cache that answers share; none to compute each state anew.
     pub states: Option<&'a ModelStates>,
 }
 
-impl Canvas<'_> {
+impl RenderedModel<'_> {
     /// The model at a time from 0 to 1.
     ///
     /// # Errors
@@ -39,7 +39,7 @@ impl Canvas<'_> {
         self.model.at(time).map_err(|source| LiftError::Model { time, source })
     }
 
-    /// The model at a time without its colours: a fifth of the memory, and all that masks are made of.
+    /// The model at a time without its colours, which masks do not depend on: a fifth of the memory.
     ///
     /// # Errors
     /// As [`Self::at`].
@@ -57,7 +57,7 @@ impl Canvas<'_> {
     }
 }
 
-impl Elements for Canvas<'_> {
+impl GaussianProjector for RenderedModel<'_> {
     fn gather(
         &self,
         clip: &ViewClip,
@@ -65,7 +65,8 @@ impl Elements for Canvas<'_> {
         pixels: &[f32],
         channels: usize,
     ) -> Result<Vec<f32>, StageError> {
-        self.look(clip, frame, |projected| projected.gather_features(pixels, channels)).map_err(at_clip)
+        self.with_projected(clip, frame, |projected| projected.gather_features(pixels, channels))
+            .map_err(stage_error)
     }
 
     fn splat(
@@ -75,12 +76,14 @@ impl Elements for Canvas<'_> {
         features: &[f32],
         channels: usize,
     ) -> Result<Vec<f32>, StageError> {
-        self.look(clip, frame, |projected| projected.splat_features(features, channels)).map_err(at_clip)
+        self.with_projected(clip, frame, |projected| projected.splat_features(features, channels))
+            .map_err(stage_error)
     }
 }
 
-impl Canvas<'_> {
-    fn look<T>(
+impl RenderedModel<'_> {
+    /// Projects the model at a frame into the camera of a clip, and asks the projection for something.
+    fn with_projected<T>(
         &self,
         clip: &ViewClip,
         frame: u32,
@@ -95,7 +98,7 @@ impl Canvas<'_> {
     }
 }
 
-fn at_clip(error: LiftError) -> StageError {
+fn stage_error(error: LiftError) -> StageError {
     StageError::of(&error, "draw the clips again, or train the model again")
 }
 
@@ -104,7 +107,7 @@ pub(super) fn check_time(time: f32) -> Result<(), LiftError> {
     if (0.0..=1.0).contains(&time) { Ok(()) } else { Err(LiftError::Time { time }) }
 }
 
-/// What is kept of one time.
+/// What the cache has of one time.
 #[derive(Debug, Default)]
 struct Moment {
     state: OnceLock<Arc<Splats>>,
@@ -112,24 +115,24 @@ struct Moment {
     seen: Mutex<Vec<(View, Arc<[f32]>)>>,
 }
 
-/// States of one model without colours, and how much each view sees of each Gaussian then, worked out once. Only the
-/// times that were named are kept, so that memory is bounded by the clip.
+/// Cache of a model's states without colours, and of how much each view sees of each Gaussian in them. Only the times
+/// that [`Self::at`] names are kept, so that the clip bounds the memory.
 #[derive(Debug, Default)]
 pub struct ModelStates {
-    /// By the bits of the time.
+    /// By the bits of the time (`f32::to_bits`).
     kept: BTreeMap<u32, Moment>,
 }
 
 impl ModelStates {
-    /// Keeps the states at these times, each from when it is first asked for.
+    /// An empty cache for these times; each state is computed when it is first asked for.
     pub fn at(times: impl IntoIterator<Item = f32>) -> Self {
         Self { kept: times.into_iter().map(|time| (time.to_bits(), Moment::default())).collect() }
     }
 
-    /// The state at a time: the one that is kept, or what `work_out` gives.
+    /// The state at a time: from the cache, else from `work_out`.
     ///
-    /// No lock is held meanwhile: work on the thread pool may come back here on the same thread. Two who ask at once
-    /// may both work it out, with the same result.
+    /// No lock is held while `work_out` runs: the thread pool may run another task that comes here on the same thread,
+    /// which would deadlock. Two threads that ask at once may both compute the state, with the same result.
     fn get(
         &self,
         time: f32,
@@ -147,13 +150,13 @@ impl ModelStates {
         }
     }
 
-    /// How much a view sees of each Gaussian at a time, if that is known.
+    /// For each Gaussian the sum of its blend weights over the pixels of a view at a time, if that is kept.
     pub(super) fn seen(&self, time: f32, view: &View) -> Option<Arc<[f32]>> {
         let seen = self.kept.get(&time.to_bits())?.seen.lock().unwrap_or_else(PoisonError::into_inner);
         seen.iter().find(|(from, _)| from == view).map(|(_, seen)| Arc::clone(seen))
     }
 
-    /// Keeps how much a view sees of each Gaussian at a time.
+    /// Keeps these sums, if the time is one of the clip and the view has none yet.
     pub(super) fn keep_seen(&self, time: f32, view: &View, sums: &Arc<[f32]>) {
         if let Some(Moment { seen, .. }) = self.kept.get(&time.to_bits()) {
             let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
@@ -169,7 +172,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_state_is_worked_out_once_at_times_of_the_clip_and_again_where_that_failed() {
+    fn a_state_is_computed_once_at_times_of_the_clip_and_again_after_an_error() {
         let states = ModelStates::at([0.0, 0.5]);
         assert!(states.get(0.5, || Err(LiftError::Time { time: 2.0 })).is_err());
         let count = std::cell::Cell::new(0);

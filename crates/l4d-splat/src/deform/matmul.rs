@@ -1,4 +1,5 @@
-//! The three matrix products of a linear layer, on row-major slices; sizes that do not belong together panic.
+//! The three matrix products of a linear layer, on row-major slices; mismatched sizes panic. Knows neither activations
+//! nor the order of layers.
 //!
 //! The kernels are `matrixmultiply`'s, chosen at run time for the vector unit, on the calling thread alone.
 
@@ -19,32 +20,33 @@ pub fn forward(input: &[f32], weight: &[f32], output: &mut [f32], outputs: usize
     );
 }
 
-/// `input` \[rows\]\[inputs\] = `output` \[rows\]\[outputs\] times `weight`; with `add`, added to what `input` holds.
-pub fn backward_input(output: &[f32], weight: &[f32], input: &mut [f32], outputs: usize, add: bool) {
-    let rows = output.len() / outputs;
+/// `d_input` \[rows\]\[inputs\] = `d_output` \[rows\]\[outputs\] times `weight`, gradients of the loss; with `add`,
+/// added to what `d_input` holds.
+pub fn backward_input(d_output: &[f32], weight: &[f32], d_input: &mut [f32], outputs: usize, add: bool) {
+    let rows = d_output.len() / outputs;
     let inputs = weight.len() / outputs;
-    let kept = if add { 1.0 } else { 0.0 };
-    let output = matrix(output, rows, outputs);
+    let beta = if add { 1.0 } else { 0.0 };
     general_mat_mul(
         1.0,
-        &output,
+        &matrix(d_output, rows, outputs),
         &matrix(weight, outputs, inputs),
-        kept,
-        &mut matrix_mut(input, rows, inputs),
+        beta,
+        &mut matrix_mut(d_input, rows, inputs),
     );
 }
 
-/// Adds to `weight` \[outputs\]\[inputs\] the transpose of `output` \[rows\]\[outputs\] times `input` \[rows\]\[inputs\].
-pub fn backward_weight(output: &[f32], input: &[f32], weight: &mut [f32], outputs: usize) {
-    let rows = output.len() / outputs;
-    let inputs = weight.len() / outputs;
-    let output = matrix(output, rows, outputs);
+/// Adds to the gradient `d_weight` \[outputs\]\[inputs\] the transpose of `d_output` \[rows\]\[outputs\] times `input`
+/// \[rows\]\[inputs\].
+pub fn backward_weight(d_output: &[f32], input: &[f32], d_weight: &mut [f32], outputs: usize) {
+    let rows = d_output.len() / outputs;
+    let inputs = d_weight.len() / outputs;
+    let d_output = matrix(d_output, rows, outputs);
     general_mat_mul(
         1.0,
-        &output.t(),
+        &d_output.t(),
         &matrix(input, rows, inputs),
         1.0,
-        &mut matrix_mut(weight, outputs, inputs),
+        &mut matrix_mut(d_weight, outputs, inputs),
     );
 }
 
@@ -75,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn backward_goes_the_other_way() {
+    fn backward_input_multiplies_by_the_weight_and_can_accumulate() {
         let mut input = [f32::NAN; 6];
         backward_input(&OUTPUT, &WEIGHT, &mut input, 2, false);
         assert_eq!(input, [3.0, -6.0, 1.0, -3.5, 12.0, 3.0]);
@@ -84,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_collect_over_rows() {
+    fn weight_gradients_are_summed_over_rows() {
         let mut weight = [1.0; 6];
         backward_weight(&OUTPUT, &INPUT, &mut weight, 2);
         assert_eq!(weight, [1.5, 3.0, 5.0, -5.0, -3.0, 3.0]);

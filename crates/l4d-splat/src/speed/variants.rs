@@ -1,4 +1,5 @@
-//! The ways of drawing that are compared. Each changes one thing of the model as it is.
+//! The variants whose drawing speed is compared: fewer Gaussians, smaller pictures, other rasterizers. Each changes one
+//! thing of the model as it is. Measures nothing itself.
 
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -11,50 +12,51 @@ use crate::clip::{ClipError, Moment};
 use crate::deform::DeformationField;
 use crate::raster::{Cpu, RasterSettings, Rasterizer};
 
-/// What is changed.
+/// What the variants of a sweep change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sweep {
-    /// Fewer Gaussians: those that show most.
+    /// Fewer Gaussians: those with the largest blend weights are kept.
     Count,
-    /// Smaller pictures, enlarged.
+    /// Smaller pictures, enlarged to full size.
     Resolution,
-    /// Other instructions, one thread, graphics adapters.
+    /// Portable instructions, one thread, graphics adapters.
     Rasterizer,
 }
 
 /// Shares of the Gaussians that are kept, percent.
 const COUNTS: [usize; 6] = [90, 75, 60, 45, 30, 15];
-/// Sides of drawn pictures, percent.
+/// Sides of drawn pictures, percent of the full ones.
 const SIDES: [u32; 4] = [75, 50, 35, 25];
 
-/// Something that draws.
+/// A rasterizer with the threads that it may use.
 pub struct Backend {
     pub label: String,
     pub name: String,
     pub rasterizer: Box<dyn Rasterizer>,
-    /// Threads that it may use; none for all.
+    /// None for all threads.
     pub pool: Option<ThreadPool>,
 }
 
-/// The processor at its best, with what every backend of its kind can do, on one thread; then the adapters.
+/// The CPU with the best instructions of this machine, with those that every machine of this target has, and on one
+/// thread; then the adapters.
 pub(super) fn backends(adapters: Vec<Backend>) -> Result<Vec<Backend>> {
     let processor = |cpu: Cpu, pool: Option<ThreadPool>| {
         let threads = pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
         let name = format!("{}, {threads} thread{}", cpu.name(), if threads == 1 { "" } else { "s" });
         Backend { label: name.clone(), name, rasterizer: Box::new(cpu), pool }
     };
-    let alone = ThreadPoolBuilder::new().num_threads(1).build().map_err(plain)?;
+    let one_thread = ThreadPoolBuilder::new().num_threads(1).build().map_err(plain)?;
     let mut list = vec![
         processor(Cpu::new(), None),
         processor(Cpu::portable(), None),
-        processor(Cpu::new(), Some(alone)),
+        processor(Cpu::new(), Some(one_thread)),
     ];
     list.extend(adapters);
     Ok(list)
 }
 
-/// One way of drawing.
+/// What is drawn, how large, and with which backend.
 #[derive(Clone)]
 pub(super) struct Variant<'a> {
     pub(super) sweep: &'static str,
@@ -65,7 +67,7 @@ pub(super) struct Variant<'a> {
     pub(super) backend: &'a Backend,
 }
 
-/// Name of the first row, against which the others stand.
+/// Name of the first row, with which the others are compared.
 pub(super) const BASE: &str = "as it is";
 
 /// All variants of the chosen sweeps (all if none are named), the model as it is first.
@@ -81,10 +83,11 @@ pub(super) fn variants<'a>(
     let mut list = vec![base.clone()];
     if wants(Sweep::Count) {
         let moments = subject.training_moments()?;
-        let shown = weights(model, backend.rasterizer.as_ref(), &RasterSettings::default(), &moments);
-        let shown = shown.map_err(plain)?;
+        let rasterizer = backend.rasterizer.as_ref();
+        let sums = blend_weight_sums(model, rasterizer, &RasterSettings::default(), &moments);
+        let sums = sums.map_err(plain)?;
         list.extend(COUNTS.map(|percent| {
-            let model = model.keep(&strongest(&shown, shown.len() * percent / 100));
+            let model = model.keep(&largest(&sums, sums.len() * percent / 100));
             Variant { model, ..named("fewer Gaussians", format!("{percent} % of the Gaussians")) }
         }));
     }
@@ -103,8 +106,8 @@ pub(super) fn variants<'a>(
     Ok(list)
 }
 
-/// How much each Gaussian shows: the sum of its blend weights over all pixels of all views.
-fn weights<Key: Sync>(
+/// For each Gaussian the sum of its blend weights over all pixels of all views.
+fn blend_weight_sums<Key: Sync>(
     model: &Model,
     rasterizer: &dyn Rasterizer,
     settings: &RasterSettings,
@@ -133,16 +136,16 @@ fn weights<Key: Sync>(
     Ok(sums)
 }
 
-/// The `count` Gaussians with the largest weights, ascending; of equals the first.
-fn strongest(weights: &[f64], count: usize) -> Vec<u32> {
-    let mut order: Vec<u32> = (0..weights.len() as u32).collect();
-    order.sort_by(|&a, &b| weights[b as usize].total_cmp(&weights[a as usize]));
+/// The `count` Gaussians with the largest sums, by ascending index; of equals the first.
+fn largest(sums: &[f64], count: usize) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..sums.len() as u32).collect();
+    order.sort_by(|&a, &b| sums[b as usize].total_cmp(&sums[a as usize]));
     order.truncate(count);
     order.sort_unstable();
     order
 }
 
-/// Bytes of a model's numbers.
+/// Bytes of a model's parameters, 4 each.
 pub(super) fn stored_bytes(model: &Model) -> u64 {
     let gaussians = &model.gaussians;
     let field = model.field.as_ref().map(DeformationField::tensors).unwrap_or_default();
@@ -156,21 +159,21 @@ mod tests {
     use crate::synthetic::Room;
 
     #[test]
-    fn the_strongest_are_kept_in_their_order_and_of_equals_the_first() {
-        assert_eq!(strongest(&[1.0, 3.0, 2.0, 3.0, 2.0], 3), [1, 2, 3]);
-        assert_eq!(strongest(&[1.0], 5), [0]);
-        assert!(strongest(&[], 2).is_empty());
+    fn the_largest_are_kept_in_their_order_and_of_equals_the_first() {
+        assert_eq!(largest(&[1.0, 3.0, 2.0, 3.0, 2.0], 3), [1, 2, 3]);
+        assert_eq!(largest(&[1.0], 5), [0]);
+        assert!(largest(&[], 2).is_empty());
     }
 
     #[test]
-    fn weights_add_up_to_what_the_pictures_hold() {
+    fn blend_weights_of_all_gaussians_add_up_to_the_alpha_of_the_pictures() {
         let room = Room::small(11);
         let views: Vec<((), _)> =
             room.views([32, 24]).unwrap().into_iter().take(3).map(|view| ((), view)).collect();
         let moments = [Moment { time: 0.25, views: views.clone() }];
         let settings = RasterSettings::default();
         let model = room.model().unwrap();
-        let total: f64 = weights(&model, &Cpu::new(), &settings, &moments).unwrap().iter().sum();
+        let total: f64 = blend_weight_sums(&model, &Cpu::new(), &settings, &moments).unwrap().iter().sum();
         let splats = model.at(0.25).unwrap();
         let drawn: f64 = views
             .iter()

@@ -1,4 +1,5 @@
-//! What can be said about training, and what happens when.
+//! Settings of training, and the schedule of stages and learning rates that follows from them. Runs no iteration
+//! itself.
 
 use l4d_data::Profile;
 use serde::Serialize;
@@ -7,36 +8,36 @@ use crate::deform::{DeformConfig, TimeAxis};
 use crate::gaussians::ShDegree;
 use crate::optimise::{LearningRate, OptimiseError};
 
-/// Everything that a result depends on beside pictures and initial points.
+/// Everything that a result depends on besides pictures and initial points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Settings {
-    /// Of all that is random.
+    /// Seed of everything random.
     pub seed: u64,
-    /// Most Gaussians.
+    /// Most Gaussians that the model may have.
     pub gaussians: usize,
-    /// 0 to 3.
+    /// Degree of the spherical harmonics, 0 to 3.
     pub sh_degree: u8,
-    /// Share of moments at which something has to be contradicted before it counts as moving. 0: everything is
-    /// dynamic; above 1: nothing is.
+    /// Share of moments at which the pictures have to contradict a static surface before it counts as dynamic. 0:
+    /// everything is dynamic; above 1: nothing is.
     pub dynamic_threshold: f32,
-    /// Iterations on static Gaussians.
+    /// Iterations of the coarse stage, on static Gaussians.
     pub coarse: u64,
-    /// Iterations for each step of the fine stage's beginning, in which the clip is unfolded from one moment to both
-    /// ends.
+    /// Iterations for each step of unfolding: the fine stage begins with one moment and takes in one more on either
+    /// side with each step.
     pub unfold: u64,
-    /// Iterations on the whole clip.
+    /// Iterations of the fine stage on the whole clip.
     pub fine: u64,
-    /// Views of one moment that an iteration looks at.
+    /// Views of one moment in an iteration: the batch size.
     pub views: usize,
-    /// What an error of depth costs, in units of (display colour) per (typical depth).
+    /// Weight of the depth loss beside the colour loss: display colour per typical depth.
     pub depth_weight: f32,
-    /// Training stops after so many looks at the training pictures without progress; 0: never early.
+    /// Training stops after so many evaluations on training pictures without progress; 0: never early.
     pub patience: usize,
-    /// Channels of the planes.
+    /// Channels of the deformation field's planes (HexPlane).
     pub channels: usize,
-    /// Samples of the planes along each axis of space at the coarser of two levels.
+    /// Spatial resolution of the planes at the coarser of two levels, samples along each axis.
     pub resolution: usize,
-    /// Width of the field's layers.
+    /// Width of the deformation field's layers.
     pub width: usize,
 }
 
@@ -60,7 +61,7 @@ impl Default for Settings {
     }
 }
 
-/// A learning rate for each group of parameters.
+/// Learning rates by group of parameters.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rates {
     /// In the order of [`FIELDS`](crate::gaussians::FIELDS).
@@ -71,12 +72,12 @@ pub(super) struct Rates {
     pub(super) planes: LearningRate,
 }
 
-/// What an iteration is about.
+/// What an iteration trains on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Stage {
     /// Static Gaussians, without the field.
     Coarse,
-    /// The clip up to `reach` moments away from the first one.
+    /// The part of the clip up to `reach` moments away from the one where unfolding begins.
     Unfold {
         /// Moments on either side.
         reach: usize,
@@ -94,7 +95,7 @@ pub(super) struct Schedule {
 }
 
 impl Schedule {
-    /// `reach`: moments between the first one and the farther end of the clip.
+    /// `reach`: moments from the one where unfolding begins to the farther end of the clip.
     pub(super) fn new(settings: &Settings, reach: usize) -> Self {
         Self {
             coarse: settings.coarse,
@@ -113,7 +114,7 @@ impl Schedule {
         }
     }
 
-    /// First iteration with the field.
+    /// First iteration with the deformation field.
     pub(super) fn fine_start(&self) -> u64 {
         self.coarse
     }
@@ -129,13 +130,13 @@ impl Schedule {
 }
 
 impl Settings {
-    /// What does well for the pictures of a profile.
+    /// Defaults for the pictures of a profile.
     pub fn of_profile(profile: Profile) -> Self {
         let small = Self::default();
         match profile {
             Profile::Tiny => Self { gaussians: 5000, coarse: 400, unfold: 30, fine: 1000, ..small },
             Profile::Small => small,
-            // Colour alone says what moves.
+            // Captures have no depth: motion is found by colour alone, which is noisier.
             Profile::Real => Self { gaussians: 40_000, dynamic_threshold: 0.2, ..small },
             Profile::Full => Self { gaussians: 60_000, fine: 12_000, resolution: 64, ..small },
         }
@@ -146,7 +147,7 @@ impl Settings {
         ShDegree::new(self.sh_degree).unwrap_or(ShDegree::MAX)
     }
 
-    /// The field for a clip of so many moments: a row of its planes each.
+    /// The deformation field for a clip of so many moments: a row of the planes for each.
     pub(super) fn field(&self, moments: usize) -> DeformConfig {
         DeformConfig {
             channels: self.channels,
@@ -164,8 +165,8 @@ impl Settings {
         }
     }
 
-    /// Learning rates for so many iterations on a scene of this extent: those of 4DGaussians where they concern
-    /// Gaussians, steeper ones for the field, which has less time here than there.
+    /// Learning rates that fall over `steps` iterations. Those of Gaussians are from 4DGaussians; those of the
+    /// deformation field are higher, because it has fewer iterations here.
     pub(super) fn rates(&self, extent_m: f64, steps: u64) -> Result<Rates, OptimiseError> {
         let falling = |first: f64, last: f64| LearningRate::log_linear(first, last, steps.max(1));
         Ok(Rates {

@@ -1,10 +1,13 @@
-//! How far away what pictures show is, found by comparing pictures.
+//! Multi-view stereo: depth maps of pictures whose cameras are known.
 //!
-//! Smaller pictures are compared first, plane by plane: a plane sweep with semi-global matching (Hirschmüller 2008), twice,
-//! the second time with what the views agreed on. From there each pixel looks for the slanted patch that fits best, at full
-//! size. What views do not share is carried on from what they do; where most of the pictures is wanted, along the planes
-//! on which much lies (floors, walls). Planes of a sweep are even in inverse depth, about a pixel of parallax apart, so
-//! that the unit of the world does not matter. Knows neither time nor motion.
+//! 1. Small pictures: a plane sweep with semi-global matching (Hirschmüller 2008), twice, the second time with the
+//!    depths on which the views agreed.
+//! 2. Full size: starting there, each pixel looks for the slanted patch that fits best.
+//! 3. Depths that views do not share are filled in from the shared ones around them; where most of the pictures is
+//!    wanted, also along planes that many pixels share (floors, walls).
+//!
+//! Planes of a sweep are evenly spaced in inverse depth, about a pixel of parallax apart, so that the unit of the world
+//! does not matter. Knows neither time nor motion.
 
 mod agreement;
 mod cost;
@@ -29,12 +32,13 @@ use planes::shared_planes;
 use refine::{Hints, refine};
 use semi_global::matched;
 
-/// Most neighbours that a picture is compared with.
+/// Most neighbours with which a picture is compared.
 const NEIGHBOURS: usize = 6;
 /// Cosine of the widest angle between the axes of views that are compared.
 const LEAST_COSINE: f64 = 0.5;
+/// Most planes of a sweep.
 const PLANES: usize = 256;
-/// Parallax of the nearest plane, widths of the picture.
+/// Parallax of the nearest plane, in widths of the picture.
 const NEAREST: f64 = 0.8;
 
 /// A picture and from where it was taken.
@@ -45,7 +49,7 @@ pub(super) struct StereoImage<'a> {
     pub(super) colour: &'a [[u8; 3]],
 }
 
-/// Planes parallel to a picture, even in inverse depth.
+/// Planes parallel to a picture, evenly spaced in inverse depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct PlaneSweep {
     /// Inverse depth between two planes, 1/m.
@@ -54,7 +58,7 @@ struct PlaneSweep {
 }
 
 impl PlaneSweep {
-    /// Planes for a view and a camera at such a distance beside it.
+    /// Planes for a view and another camera `baseline_m` beside it.
     fn new(view: &View, baseline_m: f64) -> Self {
         let focal_px = view.focal()[0];
         let parallax_px = NEAREST * f64::from(view.width());
@@ -62,28 +66,28 @@ impl PlaneSweep {
         Self { step: (parallax_px / planes as f64 / (focal_px * baseline_m)) as f32, planes }
     }
 
-    /// 1/m; the first plane includes everything that is farther.
+    /// Of a plane, 1/m; the first one includes everything that is farther.
     fn inverse_depth(&self, plane: f32) -> f32 {
         (plane + 0.5) * self.step
     }
 }
 
-/// The planes for a view among others; none where no other is beside it and looks the same way.
-fn sweep(views: &[&View], of: usize) -> Option<PlaneSweep> {
-    let near = neighbours(views, of);
+/// The planes for a view among others; none if it has no neighbours.
+fn sweep(views: &[&View], reference: usize) -> Option<PlaneSweep> {
+    let near = neighbours(views, reference);
     let (_, baseline_m) = *near.get(near.len() / 2)?;
-    Some(PlaneSweep::new(views[of], baseline_m))
+    Some(PlaneSweep::new(views[reference], baseline_m))
 }
 
-/// What a view alone says of its pixels.
+/// Depths of one view, not yet compared with those of others.
 struct DepthMap {
     sweep: PlaneSweep,
     /// Planar depth, metres; +inf: too far to tell. NaN: unknown, or not wanted.
     depth_m: Vec<f32>,
 }
 
-/// Planar depth, metres, of the pixels that are `wanted`, row-major, for the first images; the others are only compared
-/// with. +inf: too far to tell. NaN: nothing is known, or not wanted.
+/// Planar depth, metres, row-major, of the `wanted` pixels of the first images; images without `wanted` only serve for
+/// comparison. +inf: too far to tell. NaN: unknown, or not wanted.
 pub(super) fn depths(images: &[StereoImage<'_>], wanted: &[Vec<bool>]) -> Vec<Vec<f32>> {
     let Some(first) = images.first() else { return Vec::new() };
     let factor = smaller::factor_for(first.view);
@@ -93,14 +97,15 @@ pub(super) fn depths(images: &[StereoImage<'_>], wanted: &[Vec<bool>]) -> Vec<Ve
         shrunk.iter().map(|(view, colour)| StereoImage { view, colour }).collect();
     let small_wanted: Vec<Vec<bool>> =
         wanted.iter().map(|wanted| smaller::any(wanted, first.view, factor)).collect();
-    let alone = agreed(&small, &swept(&small, &small_wanted, None));
-    let small_maps = swept(&small, &small_wanted, Some(&alone));
-    let together = agreed(&small, &small_maps);
-    let (coarse, _) = filled(&small, &small_wanted, &together);
-    // What moves is too small for planes.
-    let has_planes = is_most(wanted);
-    let coarse_planes = if has_planes { shared_planes(&small, &small_maps, &together) } else { Vec::new() };
-    let maps: Vec<Option<DepthMap>> = each(images, wanted, |of, others, sweep| {
+    let first_agreed = agreed(&small, &swept(&small, &small_wanted, None));
+    let small_maps = swept(&small, &small_wanted, Some(&first_agreed));
+    let small_agreed = agreed(&small, &small_maps);
+    let (coarse, _) = filled(&small, &small_wanted, &small_agreed);
+    // Where little is wanted, it is what moves, which is too small for planes.
+    let has_planes = is_most_wanted(wanted);
+    let coarse_planes =
+        if has_planes { shared_planes(&small, &small_maps, &small_agreed) } else { Vec::new() };
+    let maps: Vec<Option<DepthMap>> = depth_maps(images, wanted, |of, others, sweep| {
         let hints = Hints { images: &small, known: &coarse, of, factor, planes: &coarse_planes };
         refine(&images[of], others, sweep, &wanted[of], &hints)
     });
@@ -121,44 +126,46 @@ pub(super) fn depths(images: &[StereoImage<'_>], wanted: &[Vec<bool>]) -> Vec<Ve
     inverse.into_iter().zip(&maps).map(depth).collect()
 }
 
-fn is_most(wanted: &[Vec<bool>]) -> bool {
+/// Whether more than half of the pixels are wanted.
+fn is_most_wanted(wanted: &[Vec<bool>]) -> bool {
     2 * wanted.iter().flatten().filter(|wanted| **wanted).count() > wanted.iter().map(Vec::len).sum::<usize>()
 }
 
-/// The largest difference of two colours in a channel, bytes.
+/// The largest difference of two colours over the channels, bytes.
 fn difference(one: [u8; 3], other: [u8; 3]) -> u8 {
     std::iter::zip(one, other).map(|(one, other)| one.abs_diff(other)).max().unwrap_or_default()
 }
 
-/// Metres; what is within half a plane of infinity is there.
+/// Metres; +inf below half the inverse depth of the first plane. `step` as in [`PlaneSweep`].
 fn depth_m(inverse: f32, step: f32) -> f32 {
     if inverse < 0.25 * step { f32::INFINITY } else { 1.0 / inverse }
 }
 
-/// What each view says, compared with its neighbours; none for those without any, or of which nothing is wanted.
-fn each(
+/// The depth map of each view, from `depths` of its index, its neighbours and its planes; none for views without
+/// neighbours, or of which nothing is wanted.
+fn depth_maps(
     images: &[StereoImage<'_>],
     wanted: &[Vec<bool>],
     depths: impl Fn(usize, &[StereoImage<'_>], &PlaneSweep) -> Vec<f32> + Sync,
 ) -> Vec<Option<DepthMap>> {
     let views: Vec<&View> = images.iter().map(|image| image.view).collect();
-    let map = |of: usize| {
-        let sweep = sweep(&views, of).filter(|_| wanted[of].contains(&true))?;
+    let map = |reference: usize| {
+        let sweep = sweep(&views, reference).filter(|_| wanted[reference].contains(&true))?;
         let others: Vec<StereoImage<'_>> =
-            neighbours(&views, of).into_iter().map(|(other, _)| images[other]).collect();
-        Some(DepthMap { sweep, depth_m: depths(of, &others, &sweep) })
+            neighbours(&views, reference).into_iter().map(|(other, _)| images[other]).collect();
+        Some(DepthMap { sweep, depth_m: depths(reference, &others, &sweep) })
     };
     (0..wanted.len()).into_par_iter().map(map).collect()
 }
 
-/// The best planes of a sweep by themselves, or with what the views know.
+/// Depth maps of plane sweeps: the best planes by colour alone, or also by what the views agreed on (`known`).
 fn swept(
     images: &[StereoImage<'_>],
     wanted: &[Vec<bool>],
     known: Option<&[Vec<Known>]>,
 ) -> Vec<Option<DepthMap>> {
     let pinholes: Vec<Pinhole> = images.iter().map(|image| Pinhole::new(image.view)).collect();
-    each(images, wanted, |of, others, sweep| {
+    depth_maps(images, wanted, |of, others, sweep| {
         let mut volume = costs(&images[of], others, sweep, &wanted[of]);
         if let Some(known) = known {
             weigh(&mut volume, &pinholes, known, of, sweep, &wanted[of]);
@@ -167,7 +174,7 @@ fn swept(
     })
 }
 
-/// Inverse depths by view, carried on to where nothing is shared, and their support.
+/// Inverse depths by view, 1/m, filled in where none is shared, and how well shared ones support them, 0 to 1.
 fn filled(
     images: &[StereoImage<'_>],
     wanted: &[Vec<bool>],
@@ -176,12 +183,12 @@ fn filled(
     (0..wanted.len()).into_par_iter().map(|of| fill(&images[of], &wanted[of], &known[of])).unzip()
 }
 
-/// Views that a view can be compared with, and how far they stand from it, metres; the nearest first.
-fn neighbours(views: &[&View], of: usize) -> Vec<(usize, f64)> {
+/// The nearest views that look about the same way as `reference` from another place, with their distance, metres.
+fn neighbours(views: &[&View], reference: usize) -> Vec<(usize, f64)> {
     let axis = |view: &View| DVec3::from(view.rotation()[2]);
     let mut near: Vec<(usize, f64)> = (0..views.len())
-        .filter(|&other| other != of && axis(views[of]).dot(axis(views[other])) > LEAST_COSINE)
-        .map(|other| (other, DVec3::from(views[of].centre()).distance(views[other].centre().into())))
+        .filter(|&other| other != reference && axis(views[reference]).dot(axis(views[other])) > LEAST_COSINE)
+        .map(|other| (other, DVec3::from(views[reference].centre()).distance(views[other].centre().into())))
         .filter(|&(_, away_m)| away_m > 0.0)
         .collect();
     near.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
@@ -189,7 +196,7 @@ fn neighbours(views: &[&View], of: usize) -> Vec<(usize, f64)> {
     near
 }
 
-/// Maps of views that have measured nothing, for tests of what follows.
+/// Depth maps without depths, for tests of what comes after them.
 #[cfg(test)]
 fn empty_maps(images: &[StereoImage<'_>]) -> Vec<Option<DepthMap>> {
     let views: Vec<&View> = images.iter().map(|image| image.view).collect();
@@ -202,8 +209,8 @@ mod tests {
     use super::*;
     use crate::train::test_world::World;
 
-    /// What the cameras of the made-up world see at a moment, and how much of it is found within `tolerance_m`, wrongly,
-    /// and not at all.
+    /// Shares of the pixels of a synthetic world whose depth at a moment is found within `tolerance_m`, wrongly, and
+    /// not at all.
     fn shares(moment: usize, tolerance_m: f32) -> [f64; 3] {
         let world = World { card: |_, _| Some(-0.3), ..World::EMPTY };
         let views = World { grain: true, ..world }.views(2);
@@ -225,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_card_stands_before_its_wall() {
+    fn most_depths_of_a_card_before_a_wall_are_right() {
         let [right, wrong, unknown] = shares(0, 0.25);
         println!("right {right:.3}, wrong {wrong:.3}, unknown {unknown:.3}");
         // Pictures of 48 pixels, of which the outer ones see what no neighbour does: 0.65, 0.17 and 0.18.
@@ -233,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn one_view_alone_tells_nothing() {
+    fn cameras_at_one_place_give_no_depth() {
         let views = World::EMPTY.views(1);
         let camera = &views.cameras()[0];
         let image = StereoImage { view: camera.view(0), colour: &camera.picture(0).colour };

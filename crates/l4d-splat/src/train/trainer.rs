@@ -1,4 +1,5 @@
-//! The loop: one iteration after the other, each a function of the state before it.
+//! The training loop. Each iteration depends on nothing but settings, pictures and the state before it, so that
+//! training resumes from a checkpoint as if it had never stopped. Writes no files.
 
 mod density_control;
 mod step;
@@ -27,49 +28,51 @@ use super::state::State;
 use super::time_span::{Span, repeat_ends};
 use super::views::{TrainingViews, TrainingViewsError};
 
-/// Iterations between looks at the training pictures.
+/// Iterations between evaluations on training pictures.
 const EVALUATION_PERIOD: u64 = 500;
 const EVALUATION_PICTURES: usize = 12;
-/// Less progress than this is none, dB.
+/// A smaller gain of PSNR counts as no progress, dB.
 const PROGRESS_DB: f32 = 0.03;
-/// Share of the budget with which training begins; density control has the rest.
-const BEGINNING: f32 = 0.75;
+/// Share of the most Gaussians with which training begins; the rest is for density control.
+const INITIAL_SHARE: f32 = 0.75;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Report {
     pub(crate) iteration: u64,
     pub(crate) stage: Stage,
     pub(crate) loss: f64,
-    /// Errors on training pictures, at some iterations.
+    /// Errors on training pictures, every [`EVALUATION_PERIOD`] iterations.
     pub(crate) quality: Option<Quality>,
 }
 
-/// Training, between two iterations.
+/// The state of training between two iterations, with everything that an iteration needs.
 pub(crate) struct Trainer<'a> {
     views: &'a TrainingViews,
     rasterizer: &'a dyn Rasterizer,
     settings: Settings,
     motion: Motion,
-    /// What changes, by camera and moment.
+    /// Pixels that change, by camera and moment; none where nothing does.
     regions: Vec<Option<ChangedRegion>>,
-    /// The moment from which the clip is unfolded.
+    /// The moment at which unfolding begins.
     anchor: usize,
-    /// What is added when the fine stage begins.
+    /// Moving points, which are added when the fine stage begins.
     movers: Vec<Point>,
-    /// Between the cameras, world axes, metres.
+    /// Centre of the cameras in the world, metres.
     middle: [f64; 3],
-    /// Gaussians that are so far from there stay as they are, metres.
+    /// Gaussians farther than this from `middle` are the backdrop and are not trained, metres.
     backdrop_m: f32,
     schedule: Schedule,
+    /// Of the coarse stage, and of the fine one with unfolding.
     rates: [Rates; 2],
     weights: Weights,
     state: State,
     trace: Trace,
+    /// Gradients of the deformation field, kept to reuse the memory.
     by_field: Option<FieldGradients>,
 }
 
 impl<'a> Trainer<'a> {
-    /// Training from the beginning.
+    /// Training before its first iteration.
     pub(crate) fn new(
         views: &'a TrainingViews,
         settings: Settings,
@@ -80,7 +83,7 @@ impl<'a> Trainer<'a> {
         let motion = Motion::of(views, settings.dynamic_threshold);
         let anchor = busiest(views, &motion);
         let beginning = match initial {
-            InitialPoints::Surfaces => (settings.gaussians as f32 * BEGINNING) as usize,
+            InitialPoints::Surfaces => (settings.gaussians as f32 * INITIAL_SHARE) as usize,
             InitialPoints::Points(_) => settings.gaussians,
         };
         let (points, backdrop_m) = initial.points(views, &motion, anchor, beginning.max(1));
@@ -121,14 +124,14 @@ impl<'a> Trainer<'a> {
             anchor,
             movers,
             middle: views.middle(),
-            // Less, for rounding; nothing else is nearly as far.
+            // Slightly less because of rounding; no other Gaussian is nearly as far.
             backdrop_m: 0.99 * backdrop_m,
             schedule,
             rates,
         })
     }
 
-    /// The same training, where a checkpoint left it. Everything else has to be what it was then.
+    /// Continues from a checkpoint. Pictures, settings and initial points have to be those that it was made with.
     pub(crate) fn resume(&mut self, checkpoint: Checkpoint) -> Result<(), TrainError> {
         let fine = checkpoint.iteration > self.schedule.fine_start();
         self.state = State::restored(checkpoint, &self.rates[usize::from(fine)])?;
@@ -136,7 +139,7 @@ impl<'a> Trainer<'a> {
         Ok(())
     }
 
-    /// Model and state; the caller adds what it knows of scene and inputs.
+    /// Model and state; the caller adds scene and inputs.
     pub(crate) fn checkpoint(&self) -> Checkpoint {
         self.state.checkpoint()
     }
@@ -153,7 +156,7 @@ impl<'a> Trainer<'a> {
         self.state.iteration
     }
 
-    /// Iterations in all, unless training settles earlier.
+    /// Number of iterations in all, unless training settles earlier.
     pub(crate) fn iterations(&self) -> u64 {
         self.schedule.end()
     }
@@ -162,7 +165,7 @@ impl<'a> Trainer<'a> {
         if self.state.settled { Stage::Done } else { self.schedule.at(self.state.iteration) }
     }
 
-    /// Whether training ended before its last iteration because it had nothing left to gain.
+    /// Whether training stopped early for lack of progress.
     pub(crate) fn settled(&self) -> bool {
         self.state.settled
     }
@@ -182,7 +185,7 @@ impl<'a> Trainer<'a> {
             self.fill_holes()?;
         }
         let mut random = ChaCha8Rng::seed_from_u64(self.settings.seed);
-        // A stream for each iteration: the state of the generator is the number of the iteration.
+        // A stream for each iteration, so that a checkpoint needs no state of the generator but the iteration.
         random.set_stream(iteration);
         let loss = match stage {
             Stage::Coarse => self.background_step(&mut random)?,
@@ -211,7 +214,7 @@ impl<'a> Trainer<'a> {
         Ok(Report { iteration, stage, loss, quality })
     }
 
-    /// Adds what moves, and the field.
+    /// Adds the moving points as Gaussians, and the deformation field if anything is dynamic.
     fn begin_fine(&mut self) -> Result<(), TrainError> {
         let movers = std::mem::take(&mut self.movers);
         let mut model = std::mem::take(&mut self.state.model);
@@ -234,7 +237,7 @@ impl<'a> Trainer<'a> {
         Ok(())
     }
 
-    /// Adds what moves and could not be followed from the first moment.
+    /// Adds Gaussians for moving surfaces that unfolding did not reach from its first moment.
     fn fill_holes(&mut self) -> Result<(), TrainError> {
         let room = self.settings.gaussians.saturating_sub(self.state.model.gaussians.len());
         if self.state.model.field.is_none() || room == 0 {
@@ -249,7 +252,7 @@ impl<'a> Trainer<'a> {
         Ok(())
     }
 
-    /// Looks at training pictures spread over cameras and clip.
+    /// Measures training pictures spread over cameras and clip; settles training if the fine stage makes no progress.
     fn evaluate(&mut self, stage: Stage) -> Result<Quality, TrainError> {
         let (cameras, moments) = (self.views.cameras().len(), self.views.moments());
         let picks: Vec<(usize, usize)> = (0..EVALUATION_PICTURES)
@@ -269,7 +272,7 @@ impl<'a> Trainer<'a> {
         Ok(quality)
     }
 
-    /// Errors of the model as it is on training pictures `(camera, moment)`.
+    /// Errors of the current model on training pictures `(camera, moment)`.
     pub(crate) fn measure(&self, picks: &[(usize, usize)]) -> Result<Quality, TrainError> {
         let region = |camera, moment| {
             let moving: Vec<bool> = (0..self.views.pixel_count())

@@ -14,7 +14,7 @@ use super::super::latents::{Level, check};
 use super::super::preset::LatentsPreset;
 use super::super::prompts::spelling;
 use super::super::relevancy::gate::{gate, similarities};
-use super::super::relevancy::{Chosen, Decoder, Engine, Latents, Texts, TextsFile, answer};
+use super::super::relevancy::{Chosen, Decoder, Engine, Latents, TextEmbeddings, TextEmbeddingsFile, answer};
 use super::super::template::{Captures, Hit, Template};
 use super::answers::Collector;
 use super::{Imported, Request, SceneQueries};
@@ -90,7 +90,7 @@ pub(super) fn read(
 }
 
 /// Queries with the number of their sentence among the embeddings.
-fn matched<'a>(queries: &'a [Query], texts: &TextsFile) -> Vec<(&'a Query, usize)> {
+fn matched<'a>(queries: &'a [Query], texts: &TextEmbeddingsFile) -> Vec<(&'a Query, usize)> {
     let known: BTreeMap<String, usize> =
         texts.queries.iter().enumerate().rev().map(|(index, text)| (spelling(text), index)).collect();
     queries.iter().filter_map(|query| Some((query, *known.get(&spelling(&query.text))?))).collect()
@@ -199,7 +199,7 @@ impl Engines {
     fn get(
         &mut self,
         captures: &Captures,
-        texts: &Texts,
+        texts: &TextEmbeddings,
         inputs: &mut Inputs,
         report: &mut Report,
     ) -> Result<Option<&Engine>, DataError> {
@@ -217,7 +217,7 @@ impl Engines {
 
 fn open(
     path: &Path,
-    texts: &Texts,
+    texts: &TextEmbeddings,
     inputs: &mut Inputs,
     report: &mut Report,
 ) -> Result<Option<Engine>, DataError> {
@@ -251,7 +251,7 @@ struct Time<'a> {
     /// Latents of time by frame.
     hits: BTreeMap<u32, Hit>,
     /// None where nothing is gated.
-    texts: Option<&'a TextsFile>,
+    texts: Option<&'a TextEmbeddingsFile>,
     /// Place in `asked` and number of the sentence among the embeddings.
     gated: Vec<(usize, usize)>,
     similarities: BTreeMap<usize, BTreeMap<u32, f64>>,

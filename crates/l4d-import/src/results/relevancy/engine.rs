@@ -11,7 +11,7 @@ use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis, s};
 use rayon::prelude::*;
 
 use super::decoder::Layer;
-use super::{Decoder, Found, Latents, Rules, Texts, relevancy, smooth};
+use super::{Decoder, Found, Latents, Rules, TextEmbeddings, relevancy, smooth};
 
 /// Pixels that pass all layers together.
 const BLOCK: usize = 256;
@@ -30,7 +30,7 @@ pub struct Engine {
 
 impl Engine {
     /// An engine for these texts; none if the decoder does not end in their width.
-    pub fn new(decoder: &Decoder, texts: &Texts) -> Option<Self> {
+    pub fn new(decoder: &Decoder, texts: &TextEmbeddings) -> Option<Self> {
         let (last, hidden) = decoder.layers().split_last()?;
         if last.outputs != texts.width() {
             return None;
@@ -133,7 +133,7 @@ impl Scratch {
 }
 
 /// The layer that gives, instead of an embedding, its products with texts and then a vector of its length.
-fn folded(last: &Layer, texts: &Texts) -> Layer {
+fn folded(last: &Layer, texts: &TextEmbeddings) -> Layer {
     let size = last.inputs + 1;
     let affine = Array2::from_shape_fn((last.outputs, size), |(row, col)| {
         f64::from(if col < last.inputs { last.weight[row * last.inputs + col] } else { last.bias[row] })

@@ -1,4 +1,5 @@
-//! Sentences as vectors, exported once by `docs/import/export_text_embeddings.py`.
+//! Text embeddings of sentences and phrases (CLIP; E5 for the temporal gate), exported once by
+//! `docs/import/export_text_embeddings.py`. Encodes no text itself.
 
 use std::path::Path;
 
@@ -7,23 +8,23 @@ use l4d_data::DataError;
 use l4d_formats::arrays;
 use l4d_formats::npy::Contents;
 
-/// Sentences of one file.
-const MOST: usize = 10_000;
-/// What to do about a file that this module refuses.
+/// Most sentences of one file.
+const MAX_SENTENCES: usize = 10_000;
 const HINT: &str = "make it with docs/import/export_text_embeddings.py";
 
-/// Vectors of one width and length 1.
+/// Embeddings of one dimension (`width`), of length 1.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Texts {
+pub struct TextEmbeddings {
     width: usize,
-    /// How many of the vectors are sentences; they come first, then the phrases.
+    /// Number of sentences.
     sentences: usize,
+    /// \[sentences, then phrases\]\[width\].
     vectors: Vec<f32>,
 }
 
-impl Texts {
-    /// Vectors of sentences, and of the phrases that they are compared with; none if they do not fill the width.
-    /// Each is brought to length 1.
+impl TextEmbeddings {
+    /// From the embeddings of sentences, and of the phrases that they compete with; none if they do not fill rows of
+    /// `width`. Each is brought to length 1.
     pub fn new(width: usize, mut sentences: Vec<f32>, phrases: Vec<f32>) -> Option<Self> {
         if width == 0 || !sentences.len().is_multiple_of(width) || !phrases.len().is_multiple_of(width) {
             return None;
@@ -34,27 +35,25 @@ impl Texts {
         Some(Self { width, sentences: count, vectors: sentences })
     }
 
-    /// Numbers a vector.
+    /// Dimension of the embeddings.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// How many vectors there are.
+    /// Number of sentences and phrases.
     pub(super) fn len(&self) -> usize {
         self.vectors.len() / self.width
     }
 
-    /// All vectors, one after the other, sentences first.
+    /// All embeddings, sentences first: [`Self::len`] rows of [`Self::width`] numbers.
     pub(super) fn vectors(&self) -> &[f32] {
         &self.vectors
     }
 
-    /// The vectors of the sentences.
     pub fn sentences(&self) -> impl ExactSizeIterator<Item = &[f32]> {
         self.vectors[..self.sentences * self.width].chunks_exact(self.width)
     }
 
-    /// The vectors of the phrases.
     pub fn phrases(&self) -> impl ExactSizeIterator<Item = &[f32]> {
         self.vectors[self.sentences * self.width..].chunks_exact(self.width)
     }
@@ -62,7 +61,7 @@ impl Texts {
     /// The same phrases with some of the sentences, in the order of `chosen`.
     ///
     /// # Panics
-    /// If there is no such sentence.
+    /// If an index is not that of a sentence.
     pub fn select(&self, chosen: &[usize]) -> Self {
         let vector = |&index: &usize| &self.vectors[index * self.width..][..self.width];
         let phrases = &self.vectors[self.sentences * self.width..];
@@ -71,16 +70,16 @@ impl Texts {
     }
 }
 
-/// An `.npz` of sentences and their vectors.
+/// An `.npz` of sentences and embeddings.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TextsFile {
-    /// The sentences, in the order of the vectors.
+pub struct TextEmbeddingsFile {
+    /// The sentences, in the order of their embeddings.
     pub queries: Vec<String>,
-    pub texts: Texts,
+    pub texts: TextEmbeddings,
 }
 
-impl TextsFile {
-    /// Reads `queries`, `positives` and `negatives`. A file for the gate of time has no `negatives`.
+impl TextEmbeddingsFile {
+    /// Reads `queries`, `positives` and `negatives`. The file of the temporal gate (`--time-texts`) has no `negatives`.
     ///
     /// # Errors
     /// A file that cannot be read, or whose arrays do not belong together.
@@ -102,11 +101,11 @@ impl TextsFile {
             let message = format!("has vectors of {other} numbers, `positives` of {width}");
             return Err(fault("negatives", message));
         }
-        if queries.len() * width != positives.len() || queries.is_empty() || queries.len() > MOST {
+        if queries.len() * width != positives.len() || queries.is_empty() || queries.len() > MAX_SENTENCES {
             let message = format!("has {} sentences for {} vectors", queries.len(), positives.len() / width);
             return Err(fault("queries", message));
         }
-        let texts = Texts::new(width, positives, negatives);
+        let texts = TextEmbeddings::new(width, positives, negatives);
         let texts = texts.ok_or_else(|| fault("positives", "does not fill its width".to_owned()))?;
         Ok(Self { queries, texts })
     }

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use l4d_splat::splats::Splats;
 use rayon::prelude::*;
 
-use crate::lift::canvas::Canvas;
 use crate::lift::error::LiftError;
 use crate::lift::evidence::{Instant, Picture, numbers};
+use crate::lift::rendered_model::RenderedModel;
 
 /// For one time and each Gaussian, sums of blend weights over the pixels of all views.
 #[derive(Debug, Clone, Default)]
@@ -19,8 +19,12 @@ pub(super) struct Votes {
 }
 
 /// The votes at one time.
-pub(super) fn votes(canvas: &Canvas<'_>, splats: &Splats, instant: &Instant<'_>) -> Result<Votes, LiftError> {
-    let views = instant.pictures.par_iter().map(|picture| ballot(canvas, splats, instant.time, picture));
+pub(super) fn votes(
+    rendered: &RenderedModel<'_>,
+    splats: &Splats,
+    instant: &Instant<'_>,
+) -> Result<Votes, LiftError> {
+    let views = instant.pictures.par_iter().map(|picture| ballot(rendered, splats, instant.time, picture));
     let (inside, seen): (Vec<Vec<f32>>, Vec<Arc<[f32]>>) =
         views.collect::<Result<Vec<_>, LiftError>>()?.into_iter().unzip();
     Ok(Votes { inside: total(&inside), seen: total(&seen) })
@@ -29,27 +33,28 @@ pub(super) fn votes(canvas: &Canvas<'_>, splats: &Splats, instant: &Instant<'_>)
 /// What one picture says: of each Gaussian, how much is inside its mask and how much it sees of it. The latter is the
 /// same for all masks; where it is known, only pixels inside the mask are looked at.
 fn ballot(
-    canvas: &Canvas<'_>,
+    rendered: &RenderedModel<'_>,
     splats: &Splats,
     time: f32,
     picture: &Picture<'_>,
 ) -> Result<(Vec<f32>, Arc<[f32]>), LiftError> {
-    match canvas.states.and_then(|moments| moments.seen(time, picture.view)) {
+    match rendered.states.and_then(|moments| moments.seen(time, picture.view)) {
         Some(seen) if picture.mask.is_empty() => Ok((vec![0.0; splats.len()], seen)),
         Some(seen) => {
             let marked = picture.mask.to_bools();
-            let projected = canvas.rasterizer.prepare_marked(splats, picture.view, canvas.raster, &marked)?;
+            let projected =
+                rendered.rasterizer.prepare_marked(splats, picture.view, rendered.raster, &marked)?;
             Ok((projected.gather_features(&numbers(picture.mask), 1)?, seen))
         }
         None => {
-            let projected = canvas.rasterizer.prepare(splats, picture.view, canvas.raster)?;
+            let projected = rendered.rasterizer.prepare(splats, picture.view, rendered.raster)?;
             let pixels: Vec<f32> =
                 numbers(picture.mask).into_iter().flat_map(|inside| [inside, 1.0]).collect();
             let sums = projected.gather_features(&pixels, 2)?;
             let (inside, seen): (Vec<f32>, Vec<f32>) =
                 sums.as_chunks::<2>().0.iter().map(|&[inside, seen]| (inside, seen)).unzip();
             let seen = Arc::from(seen);
-            if let Some(moments) = canvas.states {
+            if let Some(moments) = rendered.states {
                 moments.keep_seen(time, picture.view, &seen);
             }
             Ok((inside, seen))
@@ -59,13 +64,13 @@ fn ballot(
 
 /// What masks hold beyond the blend of `labels`, brought back to the Gaussians: A^T (m - A s).
 pub(super) fn residual(
-    canvas: &Canvas<'_>,
+    rendered: &RenderedModel<'_>,
     splats: &Splats,
     instant: &Instant<'_>,
     labels: &[f32],
 ) -> Result<Vec<f32>, LiftError> {
     let views = instant.pictures.par_iter().map(|picture| {
-        let projected = canvas.rasterizer.prepare(splats, picture.view, canvas.raster)?;
+        let projected = rendered.rasterizer.prepare(splats, picture.view, rendered.raster)?;
         let blend = projected.splat_features(labels, 1)?;
         let mut rest = numbers(picture.mask);
         for (rest, blend) in rest.iter_mut().zip(blend) {

@@ -6,10 +6,10 @@
 use l4d_splat::splats::Splats;
 use rayon::prelude::*;
 
-use crate::lift::canvas::Canvas;
 use crate::lift::error::LiftError;
 use crate::lift::evidence::{Instant, Picture, numbers};
 use crate::lift::labels::HALF;
+use crate::lift::rendered_model::RenderedModel;
 
 /// Levels that are tried.
 const LEVELS: [f32; 13] = [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
@@ -25,7 +25,7 @@ impl Fit {
     /// Adds the pictures of one time that show something.
     pub(super) fn add(
         &mut self,
-        canvas: &Canvas<'_>,
+        rendered: &RenderedModel<'_>,
         splats: &Splats,
         instant: &Instant<'_>,
         labels: &[f32],
@@ -35,7 +35,7 @@ impl Fit {
         let shown = instant.pictures.par_iter().filter(|picture| !picture.mask.is_empty());
         let overlaps: Vec<[f64; LEVELS.len()]> = shown
             .map(|picture| {
-                let projected = canvas.rasterizer.prepare(splats, picture.view, canvas.raster)?;
+                let projected = rendered.rasterizer.prepare(splats, picture.view, rendered.raster)?;
                 let blend = projected.splat_features(&hard, LEVELS.len())?;
                 Ok(overlaps(picture, blend.as_chunks().0))
             })

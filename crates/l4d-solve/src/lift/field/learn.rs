@@ -16,9 +16,9 @@ use super::FieldSettings;
 use super::encoding::Places;
 use super::network::{BLOCK_ROWS, Collapsed, Ends, Network, Scratch};
 use super::objective::{cross_entropy, divergence};
-use crate::lift::canvas::Canvas;
 use crate::lift::error::LiftError;
 use crate::lift::evidence::{Evidence, Picture};
+use crate::lift::rendered_model::RenderedModel;
 
 /// Lists of partial sums that a gradient is collected in, at most. A constant, not the number of threads: sums would
 /// come out differently with other cuts.
@@ -28,12 +28,12 @@ const PIXELS: usize = 4096;
 
 /// A field that explains the evidence.
 pub(in crate::lift) fn learn(
-    canvas: &Canvas<'_>,
+    rendered: &RenderedModel<'_>,
     evidence: &Evidence,
     settings: &FieldSettings,
 ) -> Result<Network, LiftError> {
     settings.check()?;
-    let mut training = Training::new(canvas, evidence, settings)?;
+    let mut training = Training::new(rendered, evidence, settings)?;
     for iteration in 0..settings.iterations {
         let picture = training.next_picture();
         let samples = training.samples();
@@ -69,7 +69,7 @@ pub(super) struct LogitGradients {
 
 /// A field on its way through the pictures.
 pub(super) struct Training<'a> {
-    canvas: &'a Canvas<'a>,
+    rendered: &'a RenderedModel<'a>,
     settings: &'a FieldSettings,
     times: Vec<Time>,
     pictures: Vec<TrainingPicture<'a>>,
@@ -89,13 +89,13 @@ pub(super) struct Training<'a> {
 
 impl<'a> Training<'a> {
     pub(super) fn new(
-        canvas: &'a Canvas<'a>,
+        rendered: &'a RenderedModel<'a>,
         evidence: &'a Evidence,
         settings: &'a FieldSettings,
     ) -> Result<Self, LiftError> {
         let (mut times, mut pictures) = (Vec::new(), Vec::new());
         for (time, instant) in evidence.instants()?.into_iter().enumerate() {
-            let splats = canvas.shapes_at(instant.time)?;
+            let splats = rendered.shapes_at(instant.time)?;
             times.push(Time { time: instant.time, splats, neighbours: None });
             pictures.extend(instant.pictures.into_iter().map(|picture| TrainingPicture {
                 picture,
@@ -109,9 +109,9 @@ impl<'a> Training<'a> {
         let lengths: Vec<usize> = network.lists.iter().map(Vec::len).collect();
         let rate = LearningRate::constant(settings.learning_rate)
             .map_err(|source| LiftError::Learning { iteration: 0, source })?;
-        let means = &canvas.model.gaussians.means;
+        let means = &rendered.model.gaussians.means;
         Ok(Self {
-            canvas,
+            rendered,
             settings,
             times,
             pictures,
@@ -155,13 +155,13 @@ impl<'a> Training<'a> {
         picture: usize,
         samples: &[u32],
     ) -> Result<(f64, LogitGradients), LiftError> {
-        let Self { canvas, settings, rows, pictures, times, .. } = self;
+        let Self { rendered, settings, rows, pictures, times, .. } = self;
         let training_picture = &mut pictures[picture];
         let Time { time, splats, neighbours } = &mut times[training_picture.time];
         let (time, splats, view) = (*time, Arc::clone(splats), training_picture.picture.view);
         let neighbours = nearest(neighbours, &splats, settings.neighbours as usize);
         let each = (settings.neighbours as usize).min(splats.len());
-        let projected = canvas.rasterizer.prepare(&splats, view, canvas.raster)?;
+        let projected = rendered.rasterizer.prepare(&splats, view, rendered.raster)?;
         if training_picture.visible.is_none() {
             let weights = projected.gather_features(&vec![1.0; view.pixel_count()], 1)?;
             let shows = |row: &u32| weights[*row as usize] > 0.0;

@@ -11,8 +11,8 @@ use l4d_splat::view::View;
 use super::encoding::{PLACE, Places, TIME, time};
 use super::learn::Training;
 use super::{FieldSettings, Network};
-use crate::lift::canvas::Canvas;
 use crate::lift::evidence::{Evidence, EvidenceFrame, EvidenceView};
+use crate::lift::rendered_model::RenderedModel;
 
 const FRAMES: [u32; 3] = [0, 48, 96];
 
@@ -161,9 +161,9 @@ fn loss(
 #[test]
 fn loss_and_gradient_are_those_of_the_objective_as_it_is_written() {
     let (scene, cpu, raster) = (scene(), Cpu::new(), RasterSettings::default());
-    let canvas = Canvas { model: &scene.model, rasterizer: &cpu, raster: &raster, states: None };
+    let rendered = RenderedModel { model: &scene.model, rasterizer: &cpu, raster: &raster, states: None };
     let evidence = evidence(&scene);
-    let mut training = Training::new(&canvas, &evidence, &SETTINGS).unwrap();
+    let mut training = Training::new(&rendered, &evidence, &SETTINGS).unwrap();
     for picture in [0, 3, 4] {
         let samples = training.samples();
         let (found, slopes) = training.slopes(picture, &samples).unwrap();
@@ -187,9 +187,9 @@ fn loss_and_gradient_are_those_of_the_objective_as_it_is_written() {
 #[test]
 fn a_step_goes_down_each_derivative_by_the_rate_and_many_bring_the_loss_down() {
     let (scene, cpu, raster) = (scene(), Cpu::new(), RasterSettings::default());
-    let canvas = Canvas { model: &scene.model, rasterizer: &cpu, raster: &raster, states: None };
+    let rendered = RenderedModel { model: &scene.model, rasterizer: &cpu, raster: &raster, states: None };
     let evidence = evidence(&scene);
-    let mut training = Training::new(&canvas, &evidence, &SETTINGS).unwrap();
+    let mut training = Training::new(&rendered, &evidence, &SETTINGS).unwrap();
     let mut losses = Vec::new();
     for iteration in 0..60 {
         let (picture, samples) = (training.next_picture(), training.samples());

@@ -7,13 +7,13 @@ use l4d_splat::model::time_of_frame;
 use serde_json::Value;
 
 use super::fixture::{FRAMES, Scene, as_it_is, closed, empty, field};
-use crate::lift::{Canvas, LiftError, ModelStates, lift};
+use crate::lift::{LiftError, ModelStates, RenderedModel, lift};
 
 #[test]
 fn what_answers_share_changes_none_of_them() {
     let scene = Scene::new();
     let shared = ModelStates::at(FRAMES.map(time_of_frame));
-    let together = Canvas { states: Some(&shared), ..scene.canvas() };
+    let together = RenderedModel { states: Some(&shared), ..scene.rendered() };
     let late = |_: usize, frame: u32, mask: Mask| if frame < 48 { empty() } else { mask };
     for evidence in [scene.evidence(8, as_it_is), scene.evidence(8, late), scene.evidence(5, as_it_is)] {
         let lifted = lift(&together, &evidence, &closed()).unwrap().unwrap();

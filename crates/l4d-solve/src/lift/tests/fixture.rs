@@ -7,8 +7,8 @@ use l4d_splat::synthetic::Room;
 use l4d_splat::view::View;
 
 use crate::lift::{
-    Answer, Canvas, ClosedSettings, Evidence, EvidenceFrame, EvidenceView, FieldSettings, LiftError,
-    LiftSettings, lift,
+    Answer, ClosedSettings, Evidence, EvidenceFrame, EvidenceView, FieldSettings, LiftError, LiftSettings,
+    RenderedModel, lift,
 };
 
 pub(crate) const FRAMES: [u32; 5] = [0, 24, 48, 72, 96];
@@ -29,8 +29,8 @@ impl Scene {
         Self { model: room.model().unwrap(), views, cpu: Cpu::new(), raster: RasterSettings::default() }
     }
 
-    pub(crate) fn canvas(&self) -> Canvas<'_> {
-        Canvas { model: &self.model, rasterizer: &self.cpu, raster: &self.raster, states: None }
+    pub(crate) fn rendered(&self) -> RenderedModel<'_> {
+        RenderedModel { model: &self.model, rasterizer: &self.cpu, raster: &self.raster, states: None }
     }
 
     /// The pixels of the ball.
@@ -57,12 +57,12 @@ impl Scene {
 
     /// Lifts evidence that has pictures.
     pub(crate) fn lift(&self, evidence: &Evidence, settings: &LiftSettings) -> Result<Answer, LiftError> {
-        Ok(lift(&self.canvas(), evidence, settings)?.unwrap())
+        Ok(lift(&self.rendered(), evidence, settings)?.unwrap())
     }
 
     /// The answer in the held-out view.
     pub(crate) fn held_out(&self, lifted: &Answer, frame: u32) -> Mask {
-        lifted.mask(&self.canvas(), &self.views[8], frame as f32 / 96.0).unwrap()
+        lifted.mask(&self.rendered(), &self.views[8], frame as f32 / 96.0).unwrap()
     }
 
     /// Mean intersection over union in the held-out view, over frames in which the ball shows.

@@ -69,7 +69,7 @@ fn what_cannot_be_lifted_is_told() {
         let mut silent = scene.evidence(1, as_it_is);
         silent.views[0].frames.clear();
         for nothing in [Evidence::default(), silent] {
-            assert_eq!(lift(&scene.canvas(), &nothing, &settings).unwrap(), None);
+            assert_eq!(lift(&scene.rendered(), &nothing, &settings).unwrap(), None);
         }
         let mut evidence = scene.evidence(2, as_it_is);
         evidence.views[1].frames[2].mask = Mask::empty(3, 4);

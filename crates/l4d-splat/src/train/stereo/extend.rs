@@ -1,4 +1,7 @@
-//! Shared planes beyond what several views see of them: a floor goes on beyond the table that hides it from the others.
+//! Extends planes to pixels whose depth no other view shares: a floor goes on where a table hides it from the others.
+//!
+//! Each plane's membership spreads from its shared pixels to neighbours of the same colour. A pixel gets the plane of
+//! the largest membership that no other view contradicts. Finds no planes itself.
 
 use rayon::prelude::*;
 
@@ -10,18 +13,18 @@ use super::{DepthMap, StereoImage, difference};
 
 /// Difference of colour that weakens the bond of two neighbours by a factor of e, bytes.
 const EDGE: f32 = 8.0;
-/// What membership of a plane loses at each pixel, in bonds of one colour.
+/// Pull of unshared pixels towards membership 0, in bonds of one colour: it limits how far a plane spreads.
 const LOSS: f32 = 1e-3;
-/// Membership below which a pixel is of no plane.
+/// Membership below which a pixel is not put on a plane.
 const LEAST: f32 = 0.02;
-/// A plane may not be so many times nearer than what was carried on from the surroundings of a pixel.
+/// A plane may not be so many times nearer than the depth that was filled in from the surroundings of a pixel.
 const NEARER: f32 = 4.0;
-/// Larger differences are of another colour, bytes: light and gloss differ between views.
+/// Colours that differ by more are of different surfaces, bytes; less is light and gloss, which differ between views.
 const OTHER_COLOUR: u8 = 40;
-/// What is so many times nearer hides a point.
+/// A surface hides a point if it is at least so many times nearer.
 const HIDDEN: f32 = 1.05;
 
-/// Puts pixels that views do not share on planes, and says that they are supported.
+/// Puts pixels that views do not share on planes, where possible: sets their inverse depth, and their support to 1.
 pub(super) fn extend(
     planes: &[ScenePlane],
     images: &[StereoImage<'_>],
@@ -36,7 +39,7 @@ pub(super) fn extend(
         let Some(map) = &maps[of] else { return };
         let step = map.sweep.step;
         let of_planes: Vec<Vec<f32>> =
-            planes.iter().map(|plane| seen(plane, &pinholes[of], inverse.len())).collect();
+            planes.iter().map(|plane| inverse_depths(plane, &pinholes[of], inverse.len())).collect();
         let members = memberships(&images[of], &wanted[of], &known[of], &of_planes, TOLERANCE * step);
         for pixel in (0..inverse.len()).filter(|&pixel| wanted[of][pixel] && !known[of][pixel].is_shared()) {
             let is_possible = |plane: &usize| {
@@ -56,8 +59,8 @@ pub(super) fn extend(
     });
 }
 
-/// Whether every other view that looks at a pixel's point at an inverse depth, 1/m, shows another colour there. Views
-/// that share something nearer do not look at it.
+/// Whether every other view of a pixel's point at an inverse depth, 1/m, shows another colour there. Views in which a
+/// shared depth hides the point do not count; false if none is left.
 fn looks_different(
     pinholes: &[Pinhole],
     images: &[StereoImage<'_>],
@@ -78,12 +81,13 @@ fn looks_different(
     seen.peek().is_some() && seen.all(|differs| differs)
 }
 
-/// Inverse depth of a plane at each pixel, 1/m; NaN where it is behind.
-fn seen(plane: &ScenePlane, pinhole: &Pinhole, pixels: usize) -> Vec<f32> {
+/// Inverse depth of a plane at each pixel, 1/m; NaN where it is behind the camera.
+fn inverse_depths(plane: &ScenePlane, pinhole: &Pinhole, pixels: usize) -> Vec<f32> {
     (0..pixels).map(|pixel| plane.inverse(pinhole, pinhole.centre_of(pixel)).unwrap_or(f32::NAN)).collect()
 }
 
-/// How far a pixel belongs to each plane, 0 to 1: as the shared pixels do from which it can be reached along one colour.
+/// Membership of pixels by plane, \[planes\]\[pixels\], 0 to 1: that of the shared pixels that can be reached without a
+/// change of colour.
 fn memberships(
     image: &StereoImage<'_>,
     wanted: &[bool],
