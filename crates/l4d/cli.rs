@@ -34,7 +34,7 @@ use self::cluster::ClusterCommand;
 use self::given::Given;
 use self::interop::{ExportArgs, ImportArgs, ImportSceneArgs};
 use self::judging::{BaselineArgs, CheckResultsArgs, InitResultsArgs, LeaderboardArgs, ScoreArgs};
-use self::models::{EndpointCommand, ProposePromptsArgs, ProposeScenesArgs};
+use self::models::{ProposePromptsArgs, ProposeScenesArgs};
 use self::publishing::{DownloadArgs, HostCommand, ReleaseArgs};
 use self::scenes::{
     ArrangeArgs, BuildScenesArgs, CheckScenesArgs, ComposeArgs, DoctorArgs, PythonArgs, SheetArgs,
@@ -114,9 +114,6 @@ pub(crate) enum Command {
     CheckQueries(CheckQueriesArgs),
     /// Numbers, tables and figures of the set: comparison, words, sizes, visibility, motion, intervals
     Stats(StatsArgs),
-    /// Model servers: what one supports
-    #[command(subcommand)]
-    Endpoint(EndpointCommand),
     /// Let a vision model propose queries: proved candidates, and all others with the reasons
     ProposePrompts(ProposePromptsArgs),
     /// Let a language model propose scenes: specs that keep the rules, for people to build

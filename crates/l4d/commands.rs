@@ -13,7 +13,6 @@ mod completions;
 mod compose;
 mod doctor;
 mod download;
-mod endpoint;
 mod export;
 mod host;
 mod import;
@@ -63,7 +62,6 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::Arrange(args) => arrange::run(args, out),
         Command::CheckQueries(args) => check_queries::run(args, out),
         Command::Stats(args) => stats::run(args, out),
-        Command::Endpoint(command) => endpoint::run(command, out),
         Command::ProposePrompts(args) => propose_prompts::run(args, out),
         Command::ProposeScenes(args) => propose_scenes::run(args, out),
         Command::OpenRound(args) => open_round::run(args, out),

@@ -123,15 +123,6 @@ impl Client {
         Ok(reply)
     }
 
-    /// Names of the models that the server lists.
-    ///
-    /// # Errors
-    /// If the server gives no list.
-    pub fn models(&self) -> Result<Vec<String>, EndpointError> {
-        let call = openai::models(&self.endpoint);
-        self.send(&call, |response| openai::read_models(&call, response))
-    }
-
     /// Forgets a kept answer, so that the question is asked anew.
     ///
     /// # Errors

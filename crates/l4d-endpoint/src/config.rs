@@ -19,24 +19,9 @@ use crate::error::{EndpointError, excerpt};
 /// Fields of a question that l4d sets itself, and those of them that an endpoint may leave out.
 const OWN: [&str; 3] = ["model", "messages", "stream"];
 const OPTIONAL: [&str; 3] = ["temperature", "seed", "response_format"];
-/// Kinds of servers, and what their users should know.
-const SERVERS: [(&str, &str); 9] = [
-    ("generic", "anything that speaks the OpenAI protocol"),
-    (
-        "vllm",
-        "raise --limit-mm-per-prompt for several pictures; bit-stable across batches only with VLLM_BATCH_INVARIANT=1",
-    ),
-    ("llama-cpp", "start with --mmproj, --jinja and, for boxes, --image-min-tokens 1024"),
-    (
-        "ollama",
-        "start with OLLAMA_CONTEXT_LENGTH=32768 or more: the default context drops the first pictures without an error",
-    ),
-    ("openai", "newer models take no temperature: write omit = [\"temperature\"]; the seed is best effort"),
-    ("gemini", "base_url https://generativelanguage.googleapis.com/v1beta/openai"),
-    ("mistral-rs", "ignores the seed; takes one picture unless started with --max-num-images"),
-    ("transformers", "`transformers serve` ignores the schema"),
-    ("dashscope", "base_url https://dashscope-intl.aliyuncs.com/compatible-mode/v1"),
-];
+/// Kinds of servers.
+const SERVERS: [&str; 9] =
+    ["generic", "vllm", "llama-cpp", "ollama", "openai", "gemini", "mistral-rs", "transformers", "dashscope"];
 
 /// Root of a server's protocol: `http` or `https`, no user or password, no query, no slash at the end. People write
 /// keys into it by mistake, so its errors never quote it.
@@ -236,14 +221,13 @@ impl Endpoint {
         let Timeouts { request_seconds, total_seconds } = self.timeouts;
         let Retry { tries, first_pause_seconds } = self.retry;
         let mut variables = self.api_key_env.iter().chain(self.header_env.values());
-        let servers = SERVERS.map(|(name, _)| name);
         let one_of = |names: &[&str]| format!("use one of {}", names.join(", "));
         let rules = [
             (
-                servers.contains(&self.server.as_str()),
+                SERVERS.contains(&self.server.as_str()),
                 "server",
                 "is no kind of server that l4d knows",
-                one_of(&servers),
+                one_of(&SERVERS),
             ),
             (
                 !self.model.trim().is_empty() && !self.model.chars().any(char::is_control),
@@ -301,11 +285,6 @@ impl Endpoint {
             }
             None => Ok(()),
         }
-    }
-
-    /// What users of this kind of server should know.
-    pub fn note(&self) -> &'static str {
-        SERVERS.iter().find(|(name, _)| *name == self.server).map_or("", |(_, note)| note)
     }
 
     /// The URL of a route of the protocol.
@@ -368,7 +347,7 @@ mod tests {
         assert_eq!(endpoint.url("chat/completions"), "https://gpu.example.org:8443/v1/chat/completions");
         assert_eq!(endpoint.timeouts, Timeouts { request_seconds: 60.0, ..Timeouts::default() });
         assert_eq!(endpoint.body["chat_template_kwargs"]["enable_thinking"], false);
-        assert!(endpoint.note().contains("VLLM") && !endpoint.base_url.exposes_keys());
+        assert!(!endpoint.base_url.exposes_keys());
         assert_eq!(read(BASE).unwrap(), Endpoint::new("http://localhost:8000/v1", "m").unwrap());
     }
 

@@ -88,7 +88,7 @@ impl EndpointError {
             Self::Refused(_) => "reword the question, or use another model",
             Self::Truncated(_) => "raise the limit of tokens, or use a model that thinks less",
             Self::NoJson(_) | Self::Unfit(_) => {
-                "use a server that keeps to a schema (`l4d endpoint check` tells), or a larger model"
+                "use a server that keeps to a schema (vLLM, llama.cpp), or a larger model"
             }
         }
     }

@@ -35,6 +35,9 @@ impl Http {
             headers.push(header(name, &format!("{prefix}{}", secret.expose()))?);
             secrets.push(secret);
         }
+        if !secrets.is_empty() && endpoint.base_url.exposes_keys() {
+            tracing::warn!("keys cross the network in the clear: use https, or a tunnel to localhost");
+        }
         let mut config = Agent::config_builder()
             .http_status_as_error(false)
             .max_redirects(0)

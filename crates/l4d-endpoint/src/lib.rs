@@ -15,7 +15,6 @@ mod exchange;
 mod files;
 mod http;
 mod openai;
-pub mod probe;
 mod reply;
 mod request;
 mod retry;

@@ -26,11 +26,6 @@ pub(crate) fn chat(endpoint: &Endpoint, request: &Request) -> Call {
     Call::new(endpoint.url(route), Some(sent.to_string().into_bytes()), identity)
 }
 
-/// The call that asks for the list of models.
-pub(crate) fn models(endpoint: &Endpoint) -> Call {
-    Call::new(endpoint.url("models"), None, json!({ "route": "models" }))
-}
-
 fn body(endpoint: &Endpoint, request: &Request, picture: &dyn Fn(&Image) -> String) -> Value {
     let messages: Vec<Value> = request.messages.iter().map(|message| written(message, picture)).collect();
     // OpenAI's newer models insist on the newer name.
@@ -96,13 +91,6 @@ pub(crate) fn read_chat(call: &Call, response: &Response) -> Result<Reply, Endpo
     })
 }
 
-/// Reads the list of models.
-pub(crate) fn read_models(call: &Call, response: &Response) -> Result<Vec<String>, EndpointError> {
-    let document = read_json(call, response)?;
-    let models = document["data"].as_array().ok_or_else(|| garbage(call, "has no list `data`", response))?;
-    Ok(models.iter().filter_map(|model| model["id"].as_str()).map(str::to_owned).collect())
-}
-
 fn finish(reason: &Value, refusal: &Value) -> Finish {
     if let Some(words) = refusal.as_str().filter(|words| !words.is_empty()) {
         return Finish::Refused(words.to_owned());
@@ -142,7 +130,7 @@ fn read_json(call: &Call, response: &Response) -> Result<Value, Failure> {
     match error_in(&document) {
         Some((message, code)) => {
             let message = format!("HTTP {}, but the body is an error: {message}", response.status);
-            let hint = "see the server's own log; `l4d endpoint check` tells what works";
+            let hint = "see the server's own log";
             let is_passing = code.is_some_and(is_passing);
             Err(Failure { is_passing, ..Failure::lasting(&call.url, message, hint) })
         }
@@ -166,7 +154,7 @@ fn failure(call: &Call, response: &Response) -> Failure {
         403 => ("the key is not allowed to do this", CHECK_KEY),
         404 => (
             "the path or the model is not there",
-            "check `base_url` (it often ends in /v1) and `model`: `l4d endpoint check` lists the models",
+            "check `base_url` (it often ends in /v1) and `model`: the server lists its models under <base_url>/models",
         ),
         413 => ("the question is too large", "send fewer or smaller pictures"),
         429 => (
@@ -175,13 +163,12 @@ fn failure(call: &Call, response: &Response) -> Failure {
         ),
         400 | 422 => (
             "the server does not take the question as it is",
-            "`l4d endpoint check` tells what it supports, and its own log which field it rejects: name that under \
-             `omit` of the endpoint file",
+            "its own log says which field it rejects: name that under `omit` of the endpoint file",
         ),
         408 | 504 => ("the server gave up waiting", "see the server's own log"),
         502 | 503 => ("the server is overloaded or not there", "see the server's own log"),
         500.. => ("the server failed", "see the server's own log"),
-        _ => ("an error", "`l4d endpoint check` tells what the server supports"),
+        _ => ("an error", "see the server's own log"),
     };
     Failure {
         is_passing: is_passing(status),

@@ -114,7 +114,7 @@ mod tests {
             // The pictures of another profile are in another folder.
             ("`l4d check-scenes --profile small`", "`l4d check-scenes --profile small --bench b`"),
             ("l4d score is no command here", "l4d score is no command here"),
-            ("`l4d endpoint check`, `no command`", "`l4d endpoint check`, `no command`"),
+            ("`l4d man`, `no command`", "`l4d man`, `no command`"),
         ] {
             assert_eq!(solve.complete(hint), completed);
         }

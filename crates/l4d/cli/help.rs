@@ -6,7 +6,7 @@ use clap::Command;
 const STAGES: &[(&str, &[&str])] = &[
     ("Begin", &["quickstart", "doctor"]),
     ("Scenes", &["build-scenes", "check-scenes", "sheet", "compose", "arrange"]),
-    ("Queries", &["check-queries", "stats", "propose-prompts", "propose-scenes", "endpoint"]),
+    ("Queries", &["check-queries", "stats", "propose-prompts", "propose-scenes"]),
     ("Votes", &["open-round", "verify-prompts", "import-ballot", "verdict"]),
     ("Splats", &["train-splats", "render-splats", "view", "serve"]),
     ("Reference solver", &["query", "solve", "ablate", "bench"]),
@@ -35,7 +35,6 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     ("stats", &["l4d stats --profile tiny --out stats"]),
     ("propose-prompts", &["l4d propose-prompts --profile tiny --endpoint endpoint.toml --dry-run"]),
     ("propose-scenes", &["l4d propose-scenes --endpoint endpoint.toml --scales room --per-scale 3"]),
-    ("endpoint check", &["l4d endpoint check --endpoint endpoint.toml"]),
     (
         "open-round",
         &["l4d open-round r1 --annotators ada,ben,cyd,dee,eve --sample 40", "l4d open-round r1 --pack ada"],

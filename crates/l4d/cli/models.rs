@@ -1,8 +1,8 @@
-//! Grammar of the verbs that ask models: endpoint, propose-prompts, propose-scenes.
+//! Grammar of the verbs that ask models: propose-prompts, propose-scenes.
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::Args;
 use l4d_data::{Scale, Shard};
 use l4d_endpoint::Link;
 
@@ -30,21 +30,6 @@ pub(crate) struct EndpointArgs {
     /// live, record:<folder> or replay:<folder> (which brings its own endpoint)
     #[arg(long, value_name = "LINK", default_value = "live")]
     pub(crate) link: Link,
-}
-
-#[derive(Debug, Subcommand)]
-pub(crate) enum EndpointCommand {
-    /// Ask a server what it supports: models, chat, pictures, schema, seed; one line each, with the hint
-    Check(EndpointCheckArgs),
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct EndpointCheckArgs {
-    #[command(flatten)]
-    pub(crate) endpoint: EndpointArgs,
-    /// Print JSON
-    #[arg(long)]
-    pub(crate) json: bool,
 }
 
 /// Which model is asked, what may be spent, and what becomes of its answers.

@@ -6,6 +6,5 @@ mod common;
 mod failures;
 mod keeping;
 mod keys;
-mod probing;
 #[path = "../scripted/mod.rs"]
 mod scripted;

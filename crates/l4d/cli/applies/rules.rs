@@ -98,7 +98,7 @@ pub(super) const RULES: &[Rule] = &[
     Rule { verbs: &["verdict"], options: &["force"], when: Without("unsealed") },
     // Model servers: nothing is sent, so nothing needs a key.
     Rule {
-        verbs: &["endpoint check", "propose-prompts", "propose-scenes", "solve", "query", "serve", "ablate"],
+        verbs: &["propose-prompts", "propose-scenes", "solve", "query", "serve", "ablate"],
         options: &["api_key_env"],
         when: Is("link", &["live", "record:*"]),
     },

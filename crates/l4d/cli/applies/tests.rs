@@ -19,7 +19,6 @@ const ALWAYS: &[(&str, &str)] = &[
     ("arrange", "out seed count view_count samples jobs python blender_scripts work json"),
     ("check-queries", "bench profile scenes against public json"),
     ("stats", "bench profile scenes out json"),
-    ("endpoint check", "endpoint base_url vlm server link json"),
     (
         "propose-prompts",
         "bench profile scenes endpoint base_url vlm server link cache refresh max_cost max_tokens_total repeat \
