@@ -15,7 +15,8 @@ from mathutils import Vector
 from l4d_blender.assets import mesh, street_bench, suitcase
 from l4d_blender.assets.materials import street
 from l4d_blender.assets.person import Cloth, Look
-from l4d_blender.motion.travellers import Traveller
+from l4d_blender.motion import travellers
+from l4d_blender.motion.people import Person
 from l4d_blender.scene.scene import Instance, Scene
 from l4d_blender.scene.timeline import LAST_FRAME
 
@@ -193,7 +194,7 @@ def _walker(scene: Scene, case: suitcase.Suitcase, instance: Instance) -> None:
         shoe_colour="brown",
         seed=scene.rng("walker").randrange(1000),
     )
-    walker = Traveller(
+    walker = Person(
         scene,
         "person_pulling",
         4,
@@ -203,7 +204,7 @@ def _walker(scene: Scene, case: suitcase.Suitcase, instance: Instance) -> None:
         at=(1.72, 1.74),
         heading_deg=degrees(-0.36),
     )
-    parked = walker.pull(case, instance, WALK_LAST, side="r")
+    parked = travellers.pull(walker, case, instance, WALK_LAST, side="r")
     walker.walk_along([(1.32, 0.40), (1.24, -0.66)], (0, WALK_LAST))
     walker.wave((parked + 2, LAST_FRAME - 2), side="l")
     walker.finish()
@@ -224,7 +225,7 @@ def _sitter(scene: Scene, case: suitcase.Suitcase, instance: Instance) -> None:
         shoe_colour="brown",
         seed=scene.rng("sitter").randrange(1000),
     )
-    sitter = Traveller(
+    sitter = Person(
         scene,
         "person_by_bench",
         5,
@@ -235,13 +236,13 @@ def _sitter(scene: Scene, case: suitcase.Suitcase, instance: Instance) -> None:
     )
     frame = case.body.matrix_basis
     hold_last = GREET_LAST + 3
-    sitter.hand_on(
-        instance, frame @ case.grip, hold_last, side="l", bar=frame.to_3x3() @ Vector((1.0, 0.0, 0.0))
+    travellers.hand_on(
+        sitter, instance, frame @ case.grip, hold_last, side="l", bar=frame.to_3x3() @ Vector((1.0, 0.0, 0.0))
     )
     sitter.wave((1, GREET_LAST), side="r")
     seat = (SITTER_AT[0], BENCH.y - 0.06, street_bench.SEAT_M)
     sitter.sit(seat, (hold_last + 2, LAST_FRAME), down=20)
-    sitter.phone((hold_last + 40, LAST_FRAME), side="r", draw=12)
+    travellers.phone(sitter, (hold_last + 40, LAST_FRAME), side="r", draw=12)
     sitter.finish()
 
 

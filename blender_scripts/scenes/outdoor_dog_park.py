@@ -16,10 +16,10 @@ from mathutils import Vector
 
 from l4d_blender.assets import autumn, ground, mesh
 from l4d_blender.assets.person import Cloth, Look
+from l4d_blender.motion import throwing
 from l4d_blender.motion.ball_games import Ball
 from l4d_blender.motion.dogs import Dog
 from l4d_blender.motion.people import Person
-from l4d_blender.motion.throwing import Thrower, toss
 from l4d_blender.scene.scattering import NEARLY, scatter, skyline
 from l4d_blender.scene.scene import Scene
 from l4d_blender.scene.timeline import LAST_FRAME
@@ -196,7 +196,7 @@ def _play(scene: Scene, toy: Ball) -> None:
     waiting = animal("dog_waiting", 2, TWINS, (0.24, 0.58), degrees(1.72), "sit")
     stroked = animal("dog_stroked", 3, TWINS, (-0.98, 0.36), degrees(0.25), "sit")
 
-    man = Thrower(
+    man = Person(
         scene,
         "man_throwing",
         4,
@@ -206,12 +206,12 @@ def _play(scene: Scene, toy: Ball) -> None:
         at=(1.42, 0.42),
         heading_deg=degrees(-0.95),
     )
-    man.hold_ball(toy.instance, BALL_RADIUS_M)
-    man.throw(toy.instance, (2, 36), release=17, towards=(*BALL_STOPS, 0.1))
+    throwing.hold_ball(man, toy.instance, BALL_RADIUS_M)
+    throwing.throw(man, toy.instance, (2, 36), release=17, towards=(*BALL_STOPS, 0.1))
     man.look_at((*BALL_STOPS, 0.2), (30, 70))
     man.look_at((*BALL_ENDS, 0.2), (72, LAST_FRAME))
     man.finish()
-    toss(toy, 17, BALL_WAY, (58, BALL_STOPS))
+    throwing.toss(toy, 17, BALL_WAY, (58, BALL_STOPS))
 
     chaser.watch(toy.centres, (12, 22))
     stop = _stop(chaser)

@@ -14,7 +14,8 @@ from mathutils import Matrix
 
 from l4d_blender.assets import basket
 from l4d_blender.assets.person import Cloth, Look
-from l4d_blender.motion.traders import Trader, swing_while_carried
+from l4d_blender.motion import traders
+from l4d_blender.motion.people import Person
 from l4d_blender.scene.colour import Colour
 from l4d_blender.scene.scattering import scatter
 from l4d_blender.scene.scene import Instance, Scene
@@ -170,8 +171,8 @@ def _baskets(scene: Scene) -> dict[str, Instance]:
 
 def _person(
     scene: Scene, name: str, id: int, look: Look, at: tuple[float, float], heading_deg: float
-) -> Trader:
-    return Trader(
+) -> Person:
+    return Person(
         scene,
         name,
         id,
@@ -193,7 +194,7 @@ def _deal(scene: Scene, baskets: dict[str, Instance]) -> None:
     release = RELEASE
     vendor = _person(scene, "person_selling", 4, VENDOR_LOOK, *VENDOR)
     vendor.hold(baskets["handed"], NEAR_END, side="r", bar=(1.0, 0.0, 0.0), clear_m=CLEAR_M)
-    vendor.offer(baskets["handed"], (release - 24, release + 20), release=release, side="r")
+    traders.offer(vendor, baskets["handed"], (release - 24, release + 20), release=release, side="r")
     vendor.wave((release + 26, LAST_FRAME), side="r")
 
     customer = _person(scene, "person_buying", 5, CUSTOMER_LOOK, (1.02, -0.11), degrees(-pi / 2 + 0.35))
@@ -201,14 +202,20 @@ def _deal(scene: Scene, baskets: dict[str, Instance]) -> None:
     customer.walk_to(HANDOVER, (0, 32), facing_deg=VENDOR[1] - 180.0)
     vendor.look_at((HANDOVER[0], HANDOVER[1], 1.5), (0, LAST_FRAME))
     vendor.finish()
-    customer.take(
-        baskets["handed"], FAR_END, (release - 16, release + 18), release=release, side="r", clear_m=CLEAR_M
+    traders.take(
+        customer,
+        baskets["handed"],
+        FAR_END,
+        (release - 16, release + 18),
+        release=release,
+        side="r",
+        clear_m=CLEAR_M,
     )
     leave = release + 20
     customer.walk_along([(-0.20, -0.10), (-0.26, -0.50)], (leave, LAST_FRAME))
     customer.finish()
-    swing_while_carried(baskets["carried"], GRIP, [(0, 32), (leave, LAST_FRAME)])
-    swing_while_carried(baskets["handed"], FAR_END, [(leave, LAST_FRAME)])
+    traders.swing_while_carried(baskets["carried"], GRIP, [(0, 32), (leave, LAST_FRAME)])
+    traders.swing_while_carried(baskets["handed"], FAR_END, [(leave, LAST_FRAME)])
 
 
 def _light(scene: Scene) -> None:

@@ -15,8 +15,8 @@ from mathutils import Vector
 
 from l4d_blender.assets import cat, ground, park_lamp
 from l4d_blender.assets.person import Cloth, Look
-from l4d_blender.motion.cat_friends import CatFriend, FriendlyCat
-from l4d_blender.motion.travellers import Traveller
+from l4d_blender.motion import cat_friends, travellers
+from l4d_blender.motion.people import Person
 from l4d_blender.scene.placing import Spot
 from l4d_blender.scene.scattering import scatter, skyline
 from l4d_blender.scene.scene import Scene
@@ -149,8 +149,8 @@ def _landmarks(scene: Scene) -> None:
 def _act(scene: Scene) -> None:
     """Stroking passes from the first cat to the one that comes; the twin only walks past."""
 
-    def animal(name: str, id: int, coat: cat.Coat, spot: Spot, posture: str) -> FriendlyCat:
-        return FriendlyCat(
+    def animal(name: str, id: int, coat: cat.Coat, spot: Spot, posture: str) -> cat_friends.FriendlyCat:
+        return cat_friends.FriendlyCat(
             scene,
             name,
             id,
@@ -169,7 +169,7 @@ def _act(scene: Scene) -> None:
     comer.sit_down((48, 58))
     comer.sit((58, LAST_FRAME))
 
-    friend = CatFriend(
+    friend = Person(
         scene,
         "woman_crouching",
         4,
@@ -179,9 +179,9 @@ def _act(scene: Scene) -> None:
         at=FRIEND,
         heading_deg=degrees(0.10),
     )
-    friend.squat()
-    friend.stroke(first, (4, 42), side="l")
-    friend.stroke(comer, (58, 92), side="r")
+    cat_friends.squat(friend)
+    cat_friends.stroke(friend, first, (4, 42), side="l")
+    cat_friends.stroke(friend, comer, (58, 92), side="r")
     friend.finish()
 
     first.sit((0, LAST_FRAME))
@@ -195,7 +195,7 @@ def _act(scene: Scene) -> None:
     for one in (first, passer, comer):
         one.finish()
 
-    walker = Traveller(
+    walker = Person(
         scene,
         "woman_phoning",
         5,
@@ -206,7 +206,7 @@ def _act(scene: Scene) -> None:
         heading_deg=degrees(-1.5),
     )
     walker.walk_along([(0.80, 1.58), (-0.12, 1.34)], (0, 48), facing_deg=degrees(-0.45))
-    walker.phone((70, LAST_FRAME))
+    travellers.phone(walker, (70, LAST_FRAME))
     walker.finish()
 
 

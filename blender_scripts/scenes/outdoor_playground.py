@@ -19,8 +19,9 @@ from mathutils import Matrix, Quaternion, Vector
 from l4d_blender.assets import ground, mesh, sandbox, slide, swing
 from l4d_blender.assets.materials import playground
 from l4d_blender.assets.person import Cloth, Look
+from l4d_blender.motion import playing
 from l4d_blender.motion.ball_games import RollingBall, downhill, slowing
-from l4d_blender.motion.playing import Player, kick_spot, swing_angles
+from l4d_blender.motion.people import Person
 from l4d_blender.scene import keys
 from l4d_blender.scene.placing import pose
 from l4d_blender.scene.scattering import NEARLY, scatter, skyline
@@ -252,8 +253,8 @@ def _turned(rng: random.Random) -> Quaternion:
 
 def _child(
     scene: Scene, name: str, id: int, look: Look, at: tuple[float, float], heading_deg: float
-) -> Player:
-    return Player(
+) -> Person:
+    return Person(
         scene,
         name,
         id,
@@ -281,17 +282,19 @@ def _play(scene: Scene, seats: list[tuple[bpy.types.Object, Matrix]]) -> None:
 
     # The rider swings, drags the feet and hangs still; the shove of the kick rocks the seat a little.
     drag, stop, second = 37, 58, 74
-    angles = swing_angles(0.50, (0, stop), drag=drag, length_m=swing.HANG_M)
+    angles = playing.swing_angles(0.50, (0, stop), drag=drag, length_m=swing.HANG_M)
     frames = np.arange(LAST_FRAME + 1)
     angles = angles - 0.045 * np.exp(-(((frames - second - 3) / 7.0) ** 2))
     seat, hung = seats[0]
     keys.key_matrices(seat, [hung @ Matrix.Rotation(-a, 4, "X") for a in angles])
     rider = _child(scene, "child_on_swing", 5, BOY, (0.0, 0.0), 0.0)
-    rider.ride(hung, angles, hang_m=swing.HANG_M, chains_apart_m=swing.CHAINS_APART_M, drag=drag, stop=stop)
+    rides = playing.ride(
+        rider, hung, angles, hang_m=swing.HANG_M, chains_apart_m=swing.CHAINS_APART_M, drag=drag, stop=stop
+    )
 
     # The big ball comes down the slide to the rider's feet.
     line = [pose(*SLIDE) @ p for p in slide.chute_line(big, from_y_m=-0.12)]
-    stops = Vector((*rider.seated_kick_point(big), FLOOR_M + big))
+    stops = Vector((*playing.seated_kick_point(rider, rides, big), FLOOR_M + big))
     run_out = line[-1] + 0.12 * (line[-1] - line[-2]).normalized()
     run_out.z = FLOOR_M + big
     roller = RollingBall(slid, big, line[0], _turned(rng))
@@ -300,7 +303,7 @@ def _play(scene: Scene, seats: list[tuple[bpy.types.Object, Matrix]]) -> None:
     roll = (ROLL_OFF, ROLL_OFF + 58)
     roller.roll_along([*line[1:], run_out, stops], roll, downhill(on_slope / whole, 0.56))
     scene.event(slid, "roll_down", (roll[0], roll[0] + 32), scene.instances[1])
-    rider.kick_seated(slid, (second - 12, second + 14), strike=second)
+    playing.kick_seated(rider, rides, slid, (second - 12, second + 14), strike=second)
     away = stops + Vector((-0.22, -0.68, 0.0))
     roller.roll_along([away], (second, 95), slowing())
 
@@ -309,16 +312,16 @@ def _play(scene: Scene, seats: list[tuple[bpy.types.Object, Matrix]]) -> None:
     target = Vector((1.58, -0.50, FLOOR_M + striped))
     way = target - shot_from
     heading_deg = degrees(math.atan2(way.x, -way.y))
-    spot = kick_spot(GIRL, shot_from, heading_deg, striped)
+    spot = playing.kick_spot(GIRL, shot_from, heading_deg, striped)
     start = Vector(spot) - 0.44 * Vector(way[:2]).normalized()
     kicker = _child(scene, "child_at_ball", 4, GIRL, start, heading_deg)
     first = KICK
     strike = first + 10
     kicker.walk_to(spot, (0, first), facing_deg=heading_deg)
-    kicker.kick(kicked, (first, strike + 16), strike=strike)
+    playing.kick(kicker, kicked, (first, strike + 16), strike=strike)
     shot = RollingBall(kicked, striped, shot_from, _turned(rng))
     shot.roll_along([target], (strike, strike + 36), slowing(2.0))
-    kicker.cheer((strike + 24, strike + 58))
+    playing.cheer(kicker, (strike + 24, strike + 58))
 
     at_rest = pose(*SANDBOX) @ Vector((0.15, 0.14, 0.075 + striped - 0.004))
     still = RollingBall(left, striped, at_rest, _turned(rng))

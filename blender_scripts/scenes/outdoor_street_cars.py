@@ -17,8 +17,9 @@ from mathutils import Vector
 from l4d_blender.assets import car, mesh, shopfront
 from l4d_blender.assets.materials import street
 from l4d_blender.assets.person import Cloth, Look
+from l4d_blender.motion import travellers
 from l4d_blender.motion.driving import Driver
-from l4d_blender.motion.travellers import Traveller
+from l4d_blender.motion.people import Person
 from l4d_blender.scene.scattering import scatter
 from l4d_blender.scene.scene import Instance, Scene
 from l4d_blender.scene.timeline import LAST_FRAME
@@ -246,7 +247,7 @@ def _cars(scene: Scene) -> Driver:
     return drivers["arriving"]
 
 
-def _crosser(scene: Scene, stopped: Instance) -> Traveller:
+def _crosser(scene: Scene, stopped: Instance) -> Person:
     """Waits at the dropped kerb until the red car has stopped, then walks over."""
     style, colour = HAIR
     look = Look(
@@ -261,7 +262,7 @@ def _crosser(scene: Scene, stopped: Instance) -> Traveller:
         shoe_colour="black",
         seed=scene.rng("crosser").randrange(1000),
     )
-    person = Traveller(
+    person = Person(
         scene,
         "pedestrian_crossing",
         4,
@@ -271,7 +272,9 @@ def _crosser(scene: Scene, stopped: Instance) -> Traveller:
         at=(3.20, -1.10),
         heading_deg=degrees(pi - 0.25),
     )
-    person.cross([(3.30, 0.5), (3.35, 2.15)], (38, LAST_FRAME - 1), before=stopped, passing=(50, 84))
+    travellers.cross(
+        person, [(3.30, 0.5), (3.35, 2.15)], (38, LAST_FRAME - 1), before=stopped, passing=(50, 84)
+    )
     person.finish()
     return person
 
@@ -291,7 +294,7 @@ def _waiter(scene: Scene) -> None:
         shoe_colour="grey",
         seed=scene.rng("waiter").randrange(1000),
     )
-    person = Traveller(
+    person = Person(
         scene,
         "pedestrian_waiting",
         5,
@@ -302,6 +305,6 @@ def _waiter(scene: Scene) -> None:
         heading_deg=degrees(2.0),
         ground_m=PAVEMENT_M,
     )
-    person.phone((0, CALL_LAST), side="r")
+    travellers.phone(person, (0, CALL_LAST), side="r")
     person.wave(WAVE, side="l")
     person.finish()

@@ -15,8 +15,9 @@ from math import degrees, radians
 
 from l4d_blender.assets import dumbbell, gym_equipment
 from l4d_blender.assets.person import Cloth, Look
+from l4d_blender.motion import lifters
 from l4d_blender.motion.handling import key_path, still
-from l4d_blender.motion.lifters import Lifter
+from l4d_blender.motion.people import Person
 from l4d_blender.scene.scene import Instance, Scene
 
 SCALE = "room"
@@ -135,8 +136,9 @@ def train(scene: Scene) -> None:
     taken, left, heavy = (weight(scene, place, id) for id, place in enumerate(PLACES, 1))
 
     loner = hire(scene, 0, "athlete_curling", 4, *LONER)
-    rest = loner.rest_matrix((*TAKEN, gym_equipment.STEP_TOP_M), "r")
-    loner.train(
+    rest = lifters.rest_matrix(loner, (*TAKEN, gym_equipment.STEP_TOP_M), "r")
+    lifters.train(
+        loner,
         taken,
         rest,
         look_of("on_step").bar_height_m,
@@ -151,11 +153,11 @@ def train(scene: Scene) -> None:
     key_path(left.frame_object, still((*LEFT, gym_equipment.BENCH_TOP_M), 66.0))
 
     comer = hire(scene, 1, "athlete_stretching", 5, *WAITS)
-    comer.stretch((0, 36))
+    lifters.stretch(comer, (0, 36))
     comer.walk_to(AT_BENCH, (36, 56), facing_deg=BENCH_HEADING_DEG)
     rest = still((*BIG, gym_equipment.BENCH_TOP_M), BENCH_HEADING_DEG + 78.0)[0]
     bar_m = look_of("from_bench").bar_height_m
-    comer.train(heavy, rest, bar_m, side="r", take=(54, 78), curl=(78, 122), reps=2)
+    lifters.train(comer, heavy, rest, bar_m, side="r", take=(54, 78), curl=(78, 122), reps=2)
     comer.finish()
 
 
@@ -184,7 +186,7 @@ def weight(scene: Scene, place: str, id: int) -> Instance:
     )
 
 
-def hire(scene: Scene, k: int, name: str, id: int, at: tuple[float, float], heading_deg: float) -> Lifter:
+def hire(scene: Scene, k: int, name: str, id: int, at: tuple[float, float], heading_deg: float) -> Person:
     """One of the two wears shorts and short sleeves, the other leggings and a sleeveless top."""
     build, in_shorts = BUILDS[k], k == 0
     man = build == "man"
@@ -202,7 +204,7 @@ def hire(scene: Scene, k: int, name: str, id: int, at: tuple[float, float], head
         shoe_colour="grey" if in_shorts else "white",
         seed=scene.rng(name).randrange(1000),
     )
-    return Lifter(
+    return Person(
         scene,
         name,
         id,

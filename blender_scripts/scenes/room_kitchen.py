@@ -19,8 +19,9 @@ import numpy as np
 from l4d_blender.assets import chef_hat, kitchen_jug, kitchen_set, pot
 from l4d_blender.assets import kitchen_units as units
 from l4d_blender.assets.person import Cloth, Look
-from l4d_blender.motion.cooks import Cook, JugPath, SpoonPath, stream_matrices
-from l4d_blender.motion.handling import Grip, key_path, shift, still
+from l4d_blender.motion import cooks
+from l4d_blender.motion.handling import Grip, grip, key_path, rest_hand, shift, still
+from l4d_blender.motion.people import Person
 from l4d_blender.motion.plan_person import ROWS
 from l4d_blender.scene.scene import Instance, Scene
 from l4d_blender.scene.timeline import FRAME_COUNT, LAST_FRAME
@@ -178,10 +179,10 @@ def dress(stirs: bool, seed: int) -> Look:
     )
 
 
-def hire(scene: Scene, name: str, id: int, x: float, heading_deg: float, *, stirs: bool) -> Cook:
+def hire(scene: Scene, name: str, id: int, x: float, heading_deg: float, *, stirs: bool) -> Person:
     """One cook behind the island; one of the two wears the tall hat."""
     look = dress(stirs, scene.rng(name).randrange(1000))
-    person = Cook(
+    person = Person(
         scene,
         name,
         id,
@@ -208,20 +209,20 @@ def stir_and_taste(
 ) -> None:
     """Her right hand leads the spoon all the time; the left holds the first saucepan still."""
     chef = hire(scene, "cook_stirring", 4, STIRRER_X, 0.0, stirs=True)
-    chef.lean_in((-2, -1), 0.16)
-    chef.lean_in((32, 46), 0.05)
-    chef.lean_in((54, 70), 0.26)
+    chef.stoop(-2, -1, 0.16)
+    chef.stoop(32, 46, 0.05)
+    chef.stoop(54, 70, 0.26)
 
-    way = SpoonPath()
+    way = cooks.SpoonPath()
     first, second = (0, 34), (70, LAST_FRAME)
     saucepan: dict[str, Any] = {"radius_m": 0.046, "height_m": 0.030, "lean": (-0.20, 0.42, 1.0)}
     stock_pot: dict[str, Any] = {"radius_m": 0.062, "height_m": 0.055, "lean": (-0.26, 0.36, 1.0)}
-    chef.stir(way, pots["stirred"], ways["stirred"], first, **saucepan)
-    chef.taste(way, (42, 60))
-    chef.stir(way, pots["big"], ways["big"], second, **stock_pot)
-    chef.use_spoon(spoon, way, 0.255)
-    chef.grip(pots["stirred"], ways["stirred"], LONG_HANDLE, first, side="l")
-    chef.rest_hand("l", (STIRRER_X + 0.26, 0.20, units.TOP_M), (62, LAST_FRAME))
+    cooks.stir(chef, way, pots["stirred"], ways["stirred"], first, **saucepan)
+    cooks.taste(chef, way, (42, 60))
+    cooks.stir(chef, way, pots["big"], ways["big"], second, **stock_pot)
+    cooks.use_spoon(chef, spoon, way, 0.255)
+    grip(chef, pots["stirred"], ways["stirred"], LONG_HANDLE, first, side="l")
+    rest_hand(chef, "l", (STIRRER_X + 0.26, 0.20, units.TOP_M), (62, LAST_FRAME))
     chef.look_at((STIRRED[0], -0.55, 1.05), (0, 30))
     chef.look_at((BIG[0] + BIG_MOVES, -0.55, 1.05), (66, LAST_FRAME))
     chef.finish()
@@ -232,12 +233,12 @@ def pour_and_move(
 ) -> None:
     """The left hand pours and puts the jug down; the right pulls the big pot, the left pushes the other."""
     helper = hire(scene, "cook_pouring", 5, POURER_X, 0.0, stirs=False)
-    helper.lean_in((-2, -1), 0.10)
-    helper.lean_in((40, 52), 0.30)
-    helper.lean_in((66, 78), 0.22)
+    helper.stoop(-2, -1, 0.10)
+    helper.stoop(40, 52, 0.30)
+    helper.stoop(66, 78, 0.22)
 
     turn = radians(16)
-    route = JugPath(kitchen_jug.LIP, turn)
+    route = cooks.JugPath(kitchen_jug.LIP, turn)
     over = np.array([POURED[0] + 0.035, POURED[1] + 0.005, HOB_Z + pot.SAUCEPAN.height_m + 0.135])
     route.stand(0, JUG_STARTS)
     route.at(10, over, 1.00)
@@ -245,13 +246,14 @@ def pour_and_move(
     route.at(46, over + np.array((0.10, 0.04, 0.02)), 0.10)
     route.stand(60, JUG_ENDS)
     handle = Grip(kitchen_jug.GRIP, (0, 0, 1), (-0.30, -0.95, 0))
-    jug_path = helper.pour(jug, route, handle, pots["poured"], (10, 38), side="l", puts_down=(44, 60))
+    jug_path = cooks.pour(helper, jug, route, handle, pots["poured"], (10, 38), side="l", puts_down=(44, 60))
     colour, _ = SOUPS[SOUP]
     falling = kitchen_jug.stream("stream", colour=colour)
     surface = np.full(FRAME_COUNT, HOB_Z + pot.SAUCEPAN.soup_m - 0.012)
-    key_path(falling, stream_matrices(jug_path, kitchen_jug.LIP, surface, (9, 36), turn))
+    key_path(falling, cooks.stream_matrices(jug_path, kitchen_jug.LIP, surface, (9, 36), turn))
 
-    helper.grip(
+    grip(
+        helper,
         pots["big"],
         ways["big"],
         Grip(big.grip, (0, -1, 0), (-0.75, 0, -0.55)),
@@ -260,8 +262,15 @@ def pour_and_move(
         arc_m=0.08,
         moves=(50, 66),
     )
-    helper.grip(
-        pots["poured"], ways["poured"], LONG_HANDLE, (74, 94), side="l", arc_m=0.10, moves=POURED_MOVING
+    grip(
+        helper,
+        pots["poured"],
+        ways["poured"],
+        LONG_HANDLE,
+        (74, 94),
+        side="l",
+        arc_m=0.10,
+        moves=POURED_MOVING,
     )
     helper.look_at((POURED[0], -0.5, 1.0), (0, 38))
     helper.look_at((BIG[0], -0.5, 1.0), (46, 66))

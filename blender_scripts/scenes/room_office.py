@@ -19,7 +19,9 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import desk, high_table, laptop, office_chair, whiteboard
 from l4d_blender.assets.person import Cloth, Look
-from l4d_blender.motion.deskwork import Computer, OfficeWorker
+from l4d_blender.motion import deskwork, sitting
+from l4d_blender.motion.deskwork import Computer
+from l4d_blender.motion.people import Person
 from l4d_blender.scene.placing import pose
 from l4d_blender.scene.scene import Instance, Scene
 from l4d_blender.scene.timeline import LAST_FRAME
@@ -238,19 +240,19 @@ def sit_and_type(stage: Stage, computer: Computer) -> None:
         on=stage.desk,
         colour=(0.62, 0.20, 0.08),
     )
-    man = OfficeWorker(
+    man = Person(
         scene, "man_seated", 4, category="man", look=look, attributes=seen, at=feet, heading_deg=heading_deg
     )
-    man.be_seated(seat)
+    sitting.be_seated(man, seat)
     lap = {
         s: stage.desk @ Vector((DESK_SEAT_X - x, -0.30, desk.HEIGHT_M))
         for s, x in (("l", 0.20), ("r", -0.20))
     }
-    man.rest_hands(lap, (-2, -1))
-    man.open_lid(computer, (7, 25))
-    man.type_on(computer, (first, last), arrive=6)
-    man.rest_hands({"l": lap["l"]}, (last + 1, last + 12))
-    man.drink_from(mug, (0.070, 0.0, 0.048), (0.040, 0.092), (last + 3, LAST_FRAME))
+    sitting.rest_hands(man, lap, (-2, -1))
+    deskwork.open_lid(man, computer, (7, 25))
+    deskwork.type_on(man, computer, (first, last), arrive=6)
+    sitting.rest_hands(man, {"l": lap["l"]}, (last + 1, last + 12))
+    deskwork.drink_from(man, mug, (0.070, 0.0, 0.048), (0.040, 0.092), (last + 3, LAST_FRAME))
     man.finish()
 
 
@@ -260,7 +262,7 @@ def write_and_type(stage: Stage, board: Instance, computer: Computer) -> None:
     look, seen = clothes("standing")
     pen = scene.add(1008, "whiteboard.marker", "marker")
     start = stage.whiteboard @ Vector((0.10, -0.50, 0.0))
-    man = OfficeWorker(
+    man = Person(
         scene,
         "man_standing",
         5,
@@ -273,15 +275,15 @@ def write_and_type(stage: Stage, board: Instance, computer: Computer) -> None:
     done = WRITE
     tray = Vector((0.20, whiteboard.TRAY_Y_M, whiteboard.TRAY_Z_M + 0.0095))
     strokes = [part for part in board.objects if part.name.startswith("written")]
-    man.write_on(board, pen, handwriting(done), strokes, (0, done), tray, (done, done + 13))
+    deskwork.write_on(man, board, pen, handwriting(done), strokes, (0, done), tray, (done, done + 13))
     x, depth = HIGH_TABLE_SPOTS["right"], 0.31
     goal = stage.high_table @ Vector((x, depth + STANDING_GAP_M, 0.0))
     halfway = 0.5 * (start + goal) + Vector((0.0, 0.07, 0.0))
     man.walk_along(
         [halfway[:2], goal[:2]], (done + 12, 59), facing_deg=degrees(stage.high_table.to_euler().z + 2 * pi)
     )
-    man.open_lid(computer, (59, 73))
-    man.type_on(computer, (78, LAST_FRAME), arrive=5)
+    deskwork.open_lid(man, computer, (59, 73))
+    deskwork.type_on(man, computer, (78, LAST_FRAME), arrive=5)
     man.finish()
 
 

@@ -14,7 +14,8 @@ from mathutils import Vector
 
 from l4d_blender.assets import coffee_table, mesh, play_mat, rocking_chair, teddy, toy_block, wooden_chair
 from l4d_blender.assets.person import Cloth, Look
-from l4d_blender.motion.nursery import Toddler
+from l4d_blender.motion import nursery
+from l4d_blender.motion.people import Person
 from l4d_blender.scene import keys
 from l4d_blender.scene.placing import pose
 from l4d_blender.scene.scene import Instance, Scene
@@ -215,10 +216,10 @@ def _rock(bear: Instance, chair: Instance) -> None:
 
 def _child(
     scene: Scene, name: str, id: int, look: Look, at: tuple[float, float], heading_deg: float
-) -> Toddler:
+) -> Person:
     wears_dress = look.bottom == "dress"
     cloth = look.lower if wears_dress else look.top
-    return Toddler(
+    return Person(
         scene,
         name,
         id,
@@ -244,7 +245,7 @@ def _hugger(scene: Scene, bear: Instance) -> None:
     first = LIFT
     hugger.walk_to(spot, (0, first), facing_deg=0.0)
     hugger.lift(bear, teddy.SIDES_M, (first, first + 32), carry="chest")
-    hugger.hug(bear, (first + 32, LAST_FRAME), half_m=abs(teddy.SIDES_M[0][0]))
+    nursery.hug(hugger, bear, (first + 32, LAST_FRAME), half_m=abs(teddy.SIDES_M[0][0]))
     hugger.finish()
 
 
@@ -267,14 +268,19 @@ def _builder(scene: Scene, bear: Instance) -> None:
     loose = scene.instance("block", 1008, "block", scene.place(blocks[3], *LOOSE_BLOCK, on=top))
 
     builder = _child(scene, "child_building", 5, BOY, CHAIR, 0.0)
-    builder.sit_at((*CHAIR, SEAT_M), 0.0)
+    nursery.sit_at(builder, (*CHAIR, SEAT_M), 0.0)
     back = Vector((BEAR_ON_TABLE[0] - 0.045, BEAR_ON_TABLE[1] + 0.066, top + 0.165))
-    builder.keep_hand_on(bear, back, side="l")
+    nursery.keep_hand_on(builder, bear, back, side="l")
     first = STACK
-    builder.stack(
-        loose, (TOWER[0], TOWER[1], top + 3 * BLOCK_M), (first, first + 40), height_m=BLOCK_M, side="r"
+    nursery.stack(
+        builder,
+        loose,
+        (TOWER[0], TOWER[1], top + 3 * BLOCK_M),
+        (first, first + 40),
+        height_m=BLOCK_M,
+        side="r",
     )
-    builder.wave_seated((first + 42, LAST_FRAME), side="r")
+    nursery.wave_seated(builder, (first + 42, LAST_FRAME), side="r")
     builder.finish()
 
 

@@ -17,8 +17,8 @@ from mathutils import Euler, Matrix, Vector
 
 from l4d_blender.assets import bags, chair_row, coffee_table, floor_lamp
 from l4d_blender.assets.person import Cloth, Look
-from l4d_blender.motion.reading import Reader, Spread
-from l4d_blender.motion.visitors import Visitor
+from l4d_blender.motion import reading, sitting, visitors
+from l4d_blender.motion.people import Person
 from l4d_blender.scene.placing import pose
 from l4d_blender.scene.scene import Instance, Scene
 from l4d_blender.scene.timeline import LAST_FRAME
@@ -212,7 +212,7 @@ def read(stage: Stage) -> None:
     seat, turn = stage.seat(READER_SEAT), stage.chairs.to_euler().z
     look, seen = clothes(0)
     feet = seat @ Vector((0.0, -0.40, 0.0))
-    woman = Reader(
+    woman = Person(
         scene,
         "woman_reading",
         4,
@@ -226,11 +226,11 @@ def read(stage: Stage) -> None:
     held = scene.instance("magazine", 1006, "magazine", made, front="-y")
     # Held over the lap, its top away from her and raised towards her eyes: her left is the page at -X.
     tilt = Euler((0.75, 0.0, pi)).to_matrix().to_4x4()
-    spread = Spread(held, made, seat @ Matrix.Translation((0.0, -0.39, 0.30)) @ tilt)
-    woman.be_seated(seat @ Vector((0.0, 0.0, 0.0)), lean_deg=degrees(0.06))
-    woman.hold_open(spread)
+    spread = reading.Spread(held, made, seat @ Matrix.Translation((0.0, -0.39, 0.30)) @ tilt)
+    sitting.be_seated(woman, seat @ Vector((0.0, 0.0, 0.0)), lean_deg=degrees(0.06))
+    reading.hold_open(woman, spread)
     for leaf, frames in enumerate(PAGES):
-        woman.turn_page(spread, leaf, frames)
+        reading.turn_page(woman, spread, leaf, frames)
     spread.finish()
     woman.look_at(tuple(stage.seat(BACKPACK_SEAT) @ Vector((0.05, -0.3, 0.9))), (70, LAST_FRAME))
     woman.finish()
@@ -242,7 +242,7 @@ def walk_in(stage: Stage, carried: Instance, backpack: Instance) -> None:
     look, seen = clothes(1)
     along_deg = degrees(turn - 0.5 * pi)
     start = stage.chairs @ ENTER
-    woman = Visitor(
+    woman = Person(
         scene,
         "woman_arriving",
         5,
@@ -257,13 +257,13 @@ def walk_in(stage: Stage, carried: Instance, backpack: Instance) -> None:
     woman.walk_to(
         woman.reach_spot(target, along_deg, ahead_m=0.22, aside_m=0.37), (0, 30), facing_deg=along_deg
     )
-    woman.put_down(carried, target, (30, 47))
+    visitors.put_down(woman, carried, target, (30, 47))
     facing_deg = degrees(turn + pi)
     grip = stage.seat(BACKPACK_SEAT) @ Vector((0.0, -0.03, 0.0)) + bags.BACKPACK_GRIP
     woman.walk_to(
         woman.reach_spot(grip, facing_deg, ahead_m=0.53, aside_m=0.25), (46, 67), facing_deg=facing_deg
     )
-    woman.fetch(backpack, tuple(bags.BACKPACK_GRIP), (63, 90), bar=(1.0, 0.0, 0.0), clear_m=0.12)
+    visitors.fetch(woman, backpack, tuple(bags.BACKPACK_GRIP), (63, 90), bar=(1.0, 0.0, 0.0), clear_m=0.12)
     woman.finish()
 
 

@@ -48,15 +48,15 @@ def bake_person(person: Person) -> Played:
         rig, [{name: Matrix(m @ rest[name]) for name, m in pose.items()} for pose in bones], space="armature"
     )
     played = Played(world, bones)
-    for held in person._held:
+    for held in person.held:
         _move_held(person, held, played)
     return played
 
 
 def _frame(person: Person, f: int) -> np.ndarray:
     matrix = np.eye(4)
-    matrix[:3, :3] = turn_z(float(person._heading[f]))
-    matrix[:3, 3] = (*person._xy[f], person.ground_m)
+    matrix[:3, :3] = turn_z(float(person.heading[f]))
+    matrix[:3, 3] = (*person.xy[f], person.ground_m)
     return matrix
 
 
@@ -64,31 +64,31 @@ def _frame(person: Person, f: int) -> np.ndarray:
 
 
 def _stances(person: Person) -> list[Stance]:
-    k, feet, root = person._k, person._feet, person.body.anatomy.joints["root"]
+    k, feet, root = person.k, person.feet, person.body.anatomy.joints["root"]
     local = {s: _local(person, feet.ankle[s]) for s, _ in SIDES}
     ahead = smooth(-(local["l"][:, 1] - local["r"][:, 1]) / (0.62 * k), 1.0)
     loads = {s: smooth(feet.planted[s].astype(float), 2.2) for s, _ in SIDES}
     still = smooth((feet.planted["l"] & feet.planted["r"]).astype(float), 5.0)
     t = ROWS / FPS
-    drift = 0.011 * np.sin(2 * np.pi * 0.21 * t + person._phase) * still
+    drift = 0.011 * np.sin(2 * np.pi * 0.21 * t + person.phase) * still
     sway = (0.030 * (loads["l"] - loads["r"]) + drift) * k
     middle = smooth(0.5 * (local["l"][:, 0] + local["r"][:, 0]), 3.0)
-    back = 0.17 * np.sin(person._bend) * k + 0.12 * person._crouch
-    slide = np.einsum("fij,fj->fi", np.stack([turn_z(-h)[:2, :2] for h in person._heading]), person._slide)
+    back = 0.17 * np.sin(person.bend) * k + 0.12 * person.crouch
+    slide = np.einsum("fij,fj->fi", np.stack([turn_z(-h)[:2, :2] for h in person.heading]), person.slide)
     stances = []
     for f in range(FRAME_COUNT):
         pelvis = root + vec(
-            sway[f] + 0.6 * middle[f] + slide[f, 0], back[f] + slide[f, 1], -0.012 * k - person._crouch[f]
+            sway[f] + 0.6 * middle[f] + slide[f, 0], back[f] + slide[f, 1], -0.012 * k - person.crouch[f]
         )
         stances.append(
             Stance(
                 pelvis=pelvis,
                 pelvis_yaw=-0.13 * ahead[f],
-                bend=float(person._bend[f]) + 0.035 * abs(ahead[f]),
+                bend=float(person.bend[f]) + 0.035 * abs(ahead[f]),
                 pelvis_roll=float(-0.05 * (loads["l"][f] - loads["r"][f])),
-                twist=float(person._twist[f]) + 0.16 * ahead[f],
-                side_bend=float(person._lean[f]),
-                breath=0.016 * np.sin(2 * np.pi * 0.27 * t[f] + 2 * person._phase),
+                twist=float(person.twist[f]) + 0.16 * ahead[f],
+                side_bend=float(person.lean[f]),
+                breath=0.016 * np.sin(2 * np.pi * 0.27 * t[f] + 2 * person.phase),
             )
         )
     _lower_pelvis(person, stances, local)
@@ -96,7 +96,7 @@ def _stances(person: Person) -> list[Stance]:
         for s, _ in SIDES:
             stance.feet[s] = Foot(
                 local[s][f],
-                float(feet.yaw[s][f] - person._heading[f]),
+                float(feet.yaw[s][f] - person.heading[f]),
                 float(feet.pitch[s][f]),
                 float(feet.toe[s][f]),
             )
@@ -124,20 +124,19 @@ def _lower_pelvis(person: Person, stances: list[Stance], ankles: dict[str, np.nd
 
 def _local(person: Person, points: np.ndarray) -> np.ndarray:
     """World points (one per frame) in the body's space."""
-    shifted = points - np.column_stack([person._xy, np.full(FRAME_COUNT, 0.0)])
-    return np.stack([turn_z(-float(person._heading[f])) @ shifted[f] for f in range(FRAME_COUNT)])
+    shifted = points - np.column_stack([person.xy, np.full(FRAME_COUNT, 0.0)])
+    return np.stack([turn_z(-float(person.heading[f])) @ shifted[f] for f in range(FRAME_COUNT)])
 
 
 def _gaze(person: Person, stance: Stance, f: int) -> tuple[float, float]:
     t = f / FPS
-    yaw = 0.05 * np.sin(2 * np.pi * 0.17 * t + person._phase) + 0.03 * np.sin(2 * np.pi * 0.31 * t)
-    pitch = 0.02 * np.sin(2 * np.pi * 0.23 * t + person._phase) + 0.30 * stance.bend
-    eyes = person.puppet.torso(stance)["chest"][0] + vec(0, -0.06, 0.40) * person._k
-    for weight, target in person._gazes:
+    yaw = 0.05 * np.sin(2 * np.pi * 0.17 * t + person.phase) + 0.03 * np.sin(2 * np.pi * 0.31 * t)
+    pitch = 0.02 * np.sin(2 * np.pi * 0.23 * t + person.phase) + 0.30 * stance.bend
+    eyes = person.puppet.torso(stance)["chest"][0] + vec(0, -0.06, 0.40) * person.k
+    for weight, target in person.gazes:
         goal = target.matrix(f).translation if isinstance(target, Instance) else target
         way = (
-            turn_z(-float(person._heading[f]))
-            @ (np.array(goal) - np.array([*person._xy[f], person.ground_m]))
+            turn_z(-float(person.heading[f])) @ (np.array(goal) - np.array([*person.xy[f], person.ground_m]))
             - eyes
         )
         limit = np.clip(np.arctan2(way[0], -way[1]), -1.15, 1.15)
@@ -152,17 +151,17 @@ def _gaze(person: Person, stance: Stance, f: int) -> tuple[float, float]:
 
 def _reach(person: Person, stances: list[Stance], world: list[np.ndarray]) -> None:
     """Blends hanging arms with every wish, in the body's space."""
-    k, puppet, feet = person._k, person.puppet, person._feet
+    k, puppet, feet = person.k, person.puppet, person.feet
     local = {s: _local(person, feet.ankle[s]) for s, _ in SIDES}
     ahead = smooth(-(local["l"][:, 1] - local["r"][:, 1]) / (0.62 * k), 2.0)
     walk_pelvis = np.array([stance.pelvis for stance in stances]) - puppet.joints["root"]
-    bob = walk_pelvis * np.array([0.8, 0.0, 1.0]) + person._crouch[:, None] * vec(0, 0, 1)
+    bob = walk_pelvis * np.array([0.8, 0.0, 1.0]) + person.crouch[:, None] * vec(0, 0, 1)
     apart = 0.21 if person.body.skirt else 0.12
     for side, s in SIDES:
         for f, stance in enumerate(stances):
             wrist, rotation, pole = _hanging(puppet, stance, side, -s * 0.34 * float(ahead[f]), apart)
             still = (wrist, rotation)
-            for wish in person._wishes[side]:
+            for wish in person.wishes[side]:
                 w = float(wish.weight[f])
                 if w <= 0.0:
                     continue
@@ -174,8 +173,8 @@ def _reach(person: Person, stances: list[Stance], world: list[np.ndarray]) -> No
             stance.hands[side] = Reach(
                 wrist,
                 rotation,
-                float(person._curl[side][f]),
-                float(person._curl[side][f] * (1 - 0.95 * person._point[side][f])),
+                float(person.curl[side][f]),
+                float(person.curl[side][f] * (1 - 0.95 * person.pointing[side][f])),
                 pole,
             )
 
@@ -248,7 +247,7 @@ def _move_held(person: Person, held: Held, played: Played) -> None:
     rest_grip = np.mean(held.grips, axis=0)
     if held.from_start:
         anchor = rest_grip
-        start_yaw = held.bar_yaw if held.bar_yaw is not None else start_yaw - float(person._heading[0])
+        start_yaw = held.bar_yaw if held.bar_yaw is not None else start_yaw - float(person.heading[0])
     yaws = np.unwrap([_yaw(person, played, f, held.sides) for f in range(FRAME_COUNT)]) - start_yaw
     yaws -= 2 * np.pi * np.round(yaws[held.first] / (2 * np.pi))
     moves = []
@@ -276,7 +275,7 @@ def _move_held(person: Person, held: Held, played: Played) -> None:
 
 def foot_slide(person: Person, played: Played) -> float:
     """Largest distance in metres that the resting part of a planted foot moves in one stand."""
-    worst, feet = 0.0, person._feet
+    worst, feet = 0.0, person.feet
     for side, _ in SIDES:
         j, sole = person.body.anatomy.joints, feet.soles[side]
         ground = j[f"foot_{side}"] - sole.ankle
@@ -301,7 +300,7 @@ def foot_slide(person: Person, played: Played) -> float:
 def grip_gap(person: Person, played: Played) -> float:
     """Largest distance in metres between a fist's middle and the point that it holds."""
     worst = 0.0
-    for held in person._held:
+    for held in person.held:
         carrier = held.instance.frame_object
         last = FRAME_COUNT - 1 if held.last is None else held.last
         at_rest = np.linalg.inv(np.array(held.rest_at))

@@ -14,67 +14,69 @@ import numpy as np
 from ..assets.anatomy import vec
 from ..scene.scene import Instance
 from ..scene.timeline import FPS, FRAME_COUNT, LAST_FRAME
-from .handling import Grip, Handler, key_path
+from .handling import Grip, grip, key_path
 from .ik import ease, turn_y, turn_z, unit
+from .people import Person
 from .plan_person import ROWS, Frames
 
 
-class Cook(Handler):
-    """A person at a stove."""
+def stir(
+    person: Person,
+    way: SpoonPath,
+    pot: Instance,
+    pot_path: np.ndarray,
+    frames: Frames,
+    *,
+    radius_m: float,
+    height_m: float,
+    lean: Sequence[float],
+) -> None:
+    """Plans rounds of a spoon in a pot, `height_m` above its base."""
+    way.stir(pot_path, frames[0], radius_m=radius_m, height_m=height_m, lean=lean)
+    person.scene.event(person.instance, "stir", frames, pot)
 
-    def stir(
-        self,
-        way: SpoonPath,
-        pot: Instance,
-        pot_path: np.ndarray,
-        frames: Frames,
-        *,
-        radius_m: float,
-        height_m: float,
-        lean: Sequence[float],
-    ) -> None:
-        """Plans rounds of a spoon in a pot, `height_m` above its base."""
-        way.stir(pot_path, frames[0], radius_m=radius_m, height_m=height_m, lean=lean)
-        self.scene.event(self.instance, "stir", frames, pot)
 
-    def taste(self, way: SpoonPath, frames: Frames) -> None:
-        """Plans that a spoon is at the lips, shortly after the first frame until shortly before the last."""
-        way.taste(self.mouth(frames[0] + 8), frames[0] + 4)
-        self.scene.event(self.instance, "taste", frames)
+def taste(person: Person, way: SpoonPath, frames: Frames) -> None:
+    """Plans that a spoon is at the lips, shortly after the first frame until shortly before the last."""
+    way.taste(_mouth(person, frames[0] + 8), frames[0] + 4)
+    person.scene.event(person.instance, "taste", frames)
 
-    def use_spoon(self, spoon: Instance, way: SpoonPath, grip_m: float, *, side: str = "r") -> None:
-        """Leads the spoon along its way in a fist, thumb up, all the time."""
-        path = way.matrices()
-        key_path(spoon.frame_object, path)
-        how = Grip((0.0, 0.002, grip_m), (0, 0, 1), (-1, 0, 0))
-        self.grip(spoon, path, how, (0, LAST_FRAME), side=side)
 
-    def pour(
-        self,
-        jug: Instance,
-        route: JugPath,
-        handle: Grip,
-        pot: Instance,
-        frames: Frames,
-        *,
-        side: str,
-        puts_down: Frames,
-    ) -> np.ndarray:
-        """Pours from a jug, held from the start, into a pot, and puts it down; returns the jug's path."""
-        path = route.matrices()
-        key_path(jug.frame_object, path)
-        held = (0, puts_down[1])
-        self.grip(jug, path, handle, held, side=side, elbow_out=0.8, puts_down=puts_down)
-        self.scene.event(self.instance, "pour_into", frames, pot)
-        return path
+def use_spoon(person: Person, spoon: Instance, way: SpoonPath, grip_m: float, *, side: str = "r") -> None:
+    """Leads the spoon along its way in a fist, thumb up, all the time."""
+    path = way.matrices()
+    key_path(spoon.frame_object, path)
+    how = Grip((0.0, 0.002, grip_m), (0, 0, 1), (-1, 0, 0))
+    grip(person, spoon, path, how, (0, LAST_FRAME), side=side)
 
-    def mouth(self, frame: int) -> np.ndarray:
-        """Where this cook's lips are (head upright), in the world."""
-        k, stance = self._k, self._torso_at(frame, float(self._crouch[frame]), float(self._bend[frame]))
-        at, chest = self.puppet.torso(stance)["chest"]
-        neck = at + chest @ (self.puppet.joints["neck"] - self.puppet.joints["chest"])
-        local = neck + vec(0.0, -0.105, 0.135) * k
-        return np.array([*self._xy[frame], self.ground_m]) + turn_z(float(self._heading[frame])) @ local
+
+def pour(
+    person: Person,
+    jug: Instance,
+    route: JugPath,
+    handle: Grip,
+    pot: Instance,
+    frames: Frames,
+    *,
+    side: str,
+    puts_down: Frames,
+) -> np.ndarray:
+    """Pours from a jug, held from the start, into a pot, and puts it down; returns the jug's path."""
+    path = route.matrices()
+    key_path(jug.frame_object, path)
+    held = (0, puts_down[1])
+    grip(person, jug, path, handle, held, side=side, elbow_out=0.8, puts_down=puts_down)
+    person.scene.event(person.instance, "pour_into", frames, pot)
+    return path
+
+
+def _mouth(person: Person, frame: int) -> np.ndarray:
+    """Where this cook's lips are (head upright), in the world."""
+    k, stance = person.k, person.torso_at(frame, float(person.crouch[frame]), float(person.bend[frame]))
+    at, chest = person.puppet.torso(stance)["chest"]
+    neck = at + chest @ (person.puppet.joints["neck"] - person.puppet.joints["chest"])
+    local = neck + vec(0.0, -0.105, 0.135) * k
+    return np.array([*person.xy[frame], person.ground_m]) + turn_z(float(person.heading[frame])) @ local
 
 
 @dataclass

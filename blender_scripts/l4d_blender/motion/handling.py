@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import radians
-from typing import Any
 
 import bpy
 import numpy as np
@@ -19,7 +19,7 @@ from ..assets.anatomy import vec
 from ..scene import keys
 from ..scene.scene import Instance, RecipeError
 from ..scene.timeline import FRAME_COUNT, LAST_FRAME
-from .acting import grip_points
+from .acting import Played, grip_points
 from .ik import ease, turn_z, unit
 from .people import Person
 from .plan_person import ROWS, SIGN, Frames
@@ -36,102 +36,83 @@ class Grip:
     knuckles: tuple[float, float, float]
 
 
-@dataclass
-class Guided:
-    """A hand that follows a path from `first` to `last`."""
+def grip(
+    person: Person,
+    thing: Instance,
+    path: np.ndarray,
+    how: Grip,
+    frames: Frames,
+    *,
+    side: str,
+    approach: int = 12,
+    let_go: int = 12,
+    arc_m: float = 0.04,
+    elbow_out: float = 0.55,
+    moves: Frames | None = None,
+    puts_down: Frames | None = None,
+) -> None:
+    """Holds `thing` from frame `first` to `last` while it follows `path`; from 0 on it is in the hand.
 
-    side: str
-    fist: np.ndarray
-    first: int
-    last: int
-    what: str
+    `path` has a 4x4 matrix per canonical frame; `finish` refuses a fist that is off it. `moves` is when the
+    thing slides over what it stands on, `puts_down` when it is set down.
+    """
+    first, last = frames
+    points = path[:, :3, :3] @ np.array(how.point) + path[:, :3, 3]
+    turned = np.stack(
+        [_fist(person, side, r @ np.array(how.thumb), r @ np.array(how.knuckles)) for r in path[:, :3, :3]]
+    )
+    wrists = points - np.stack([person.puppet.grip_offset(side, r) for r in turned])
+    pole = vec(SIGN[side] * elbow_out, 0.75, -0.55)
+    start = (-2, -1) if first == 0 else (first - approach, first)
+    person.wish(side, start, wrists, turned, "world", pole=pole, arc=0.0 if first == 0 else arc_m)
+    if first == 0:
+        person.curl[side][:] = 0.86
+    else:
+        person.close_hand(side, first - approach, 0.12)
+        person.close_hand(side, first - 3, 0.86, within=5)
+    if last < LAST_FRAME:
+        person.close_hand(side, last, 0.15, within=6)
+        person.lower_arm(side, (last + 3, last + 3 + let_go))
+    person.late.append(partial(_check_fist, person, side, points, frames, thing.name))
+    person.scene.event(person.instance, "hold", frames, thing)
+    if moves is not None:
+        person.scene.event(person.instance, "move", moves, thing)
+        person.scene.event(thing, "slide", moves)
+    if puts_down is not None:
+        person.scene.event(person.instance, "put_down", puts_down, thing)
 
 
-class Handler(Person):
-    """A person who handles things. A thing's path is a 4x4 matrix per canonical frame."""
+def rest_hand(person: Person, side: str, point: Sequence[float], frames: Frames) -> None:
+    """Lays a hand flat on something during a frame interval (it arrives with the first frame)."""
+    first, last = frames
+    forward = turn_z(float(person.heading[first])) @ vec(-0.25 * SIGN[side], -1.0, -0.12)
+    turned = person.puppet.hand_rotation(side, forward, vec(0, 0, -1))
+    wrist = np.array(point, float) - person.puppet.palm_offset(side, turned)
+    start = (-2, -1) if first == 0 else (first - 12, first)
+    person.wish(side, start, wrist, turned, "world", arc=0.03)
+    person.close_hand(side, max(first - 6, 0), 0.16)
+    if last < LAST_FRAME:
+        person.lower_arm(side, (last, last + 12))
 
-    def __init__(self, *args: Any, **options: Any) -> None:
-        super().__init__(*args, **options)
-        self._guided: list[Guided] = []
 
-    def lean_in(self, frames: Frames, depth: float, twist: float = 0.0) -> None:
-        """Bends towards the work (0.3 is a nod of the trunk) and stays so."""
-        self._stoop(*frames, depth, twist)
+def _check_fist(
+    person: Person, side: str, points: np.ndarray, frames: Frames, what: str, played: Played
+) -> None:
+    """Refuses a fist that leaves its path (n, 3): it would part from what it holds."""
+    for f in range(frames[0], frames[1] + 1):
+        (fist,) = grip_points(person, played, f, (side,))
+        gap = float(np.linalg.norm(fist - points[f]))
+        if gap > MAX_GAP_M:
+            raise RecipeError(
+                f"{person.instance.name}'s {side} hand is {100 * gap:.1f} cm off {what} at frame {f}",
+                "stand closer, lean in, or shorten the path",
+            )
 
-    def grip(
-        self,
-        thing: Instance,
-        path: np.ndarray,
-        how: Grip,
-        frames: Frames,
-        *,
-        side: str,
-        approach: int = 12,
-        let_go: int = 12,
-        arc_m: float = 0.04,
-        elbow_out: float = 0.55,
-        moves: Frames | None = None,
-        puts_down: Frames | None = None,
-    ) -> None:
-        """Holds `thing` from frame `first` to `last` while it follows `path`; from 0 on it is in the hand.
 
-        `moves` is when it slides over what it stands on, `puts_down` when it is set down.
-        """
-        first, last = frames
-        points = path[:, :3, :3] @ np.array(how.point) + path[:, :3, 3]
-        turned = np.stack(
-            [self._fist(side, r @ np.array(how.thumb), r @ np.array(how.knuckles)) for r in path[:, :3, :3]]
-        )
-        wrists = points - np.stack([self.puppet.grip_offset(side, r) for r in turned])
-        pole = vec(SIGN[side] * elbow_out, 0.75, -0.55)
-        start = (-2, -1) if first == 0 else (first - approach, first)
-        self._wish(side, start, wrists, turned, "world", pole=pole, arc=0.0 if first == 0 else arc_m)
-        if first == 0:
-            self._curl[side][:] = 0.86
-        else:
-            self._close(side, first - approach, 0.12)
-            self._close(side, first - 3, 0.86, within=5)
-        if last < LAST_FRAME:
-            self._close(side, last, 0.15, within=6)
-            self._lower(side, (last + 3, last + 3 + let_go))
-        self._guided.append(Guided(side, points, first, last, thing.name))
-        self.scene.event(self.instance, "hold", frames, thing)
-        if moves is not None:
-            self.scene.event(self.instance, "move", moves, thing)
-            self.scene.event(thing, "slide", moves)
-        if puts_down is not None:
-            self.scene.event(self.instance, "put_down", puts_down, thing)
-
-    def rest_hand(self, side: str, point: Sequence[float], frames: Frames) -> None:
-        """Lays a hand flat on something during a frame interval (it arrives with the first frame)."""
-        first, last = frames
-        forward = turn_z(float(self._heading[first])) @ vec(-0.25 * SIGN[side], -1.0, -0.12)
-        turned = self.puppet.hand_rotation(side, forward, vec(0, 0, -1))
-        wrist = np.array(point, float) - self.puppet.palm_offset(side, turned)
-        start = (-2, -1) if first == 0 else (first - 12, first)
-        self._wish(side, start, wrist, turned, "world", arc=0.03)
-        self._close(side, max(first - 6, 0), 0.16)
-        if last < LAST_FRAME:
-            self._lower(side, (last, last + 12))
-
-    def finish(self) -> None:
-        """Turns the plan into keys and refuses fists that leave what they hold."""
-        super().finish()
-        for guided in self._guided:
-            for f in range(guided.first, guided.last + 1):
-                (fist,) = grip_points(self, self.played, f, (guided.side,))
-                gap = float(np.linalg.norm(fist - guided.fist[f]))
-                if gap > MAX_GAP_M:
-                    raise RecipeError(
-                        f"{self.instance.name}'s {guided.side} hand is {100 * gap:.1f} cm off {guided.what} "
-                        f"at frame {f}",
-                        "stand closer, lean in, or shorten the path",
-                    )
-
-    def _fist(self, side: str, thumb: np.ndarray, knuckles: np.ndarray) -> np.ndarray:
-        t = unit(thumb)
-        a = unit(knuckles - (knuckles @ t) * t)
-        return self.puppet.hand_rotation(side, a, np.cross(t, a) * -SIGN[side])
+def _fist(person: Person, side: str, thumb: np.ndarray, knuckles: np.ndarray) -> np.ndarray:
+    t = unit(thumb)
+    a = unit(knuckles - (knuckles @ t) * t)
+    return person.puppet.hand_rotation(side, a, np.cross(t, a) * -SIGN[side])
 
 
 # ---- paths of things -----------------------------------------------------------------------------

@@ -15,8 +15,8 @@ from ..scene.scene import Instance
 from ..scene.timeline import FRAME_COUNT, LAST_FRAME
 from .fingertips import tip_offset
 from .ik import ease
+from .people import Person
 from .plan_person import ROWS, SIGN, Frames
-from .sitting import Sitter
 
 _HOLD_CURL = 0.16
 _LEAF_CURL = 0.24
@@ -53,46 +53,44 @@ class Spread:
             keys.key_matrices(leaf, matrices)
 
 
-class Reader(Sitter):
-    """A Sitter who holds a magazine open from the first frame on."""
+def hold_open(person: Person, spread: Spread) -> None:
+    """Both hands hold the outer lower corners from below, thumbs on the page."""
+    for side, _ in SIDES:
+        _hold_corner(person, spread, side, (-2, -1))
+    person.look_at(tuple(spread.place(Vector((0.0, 0.02, 0.03)))), (0, LAST_FRAME))
+    person.scene.event(person.instance, "hold", (0, LAST_FRAME), spread.instance)
 
-    def hold_open(self, spread: Spread) -> None:
-        """Both hands hold the outer lower corners from below, thumbs on the page."""
-        for side, _ in SIDES:
-            self._hold_corner(spread, side, (-2, -1))
-        self.look_at(tuple(spread.place(Vector((0.0, 0.02, 0.03)))), (0, LAST_FRAME))
-        self.scene.event(self.instance, "hold", (0, LAST_FRAME), spread.instance)
 
-    def turn_page(self, spread: Spread, leaf: int, frames: Frames) -> None:
-        """The right hand takes the upper corner of a leaf, leads it over to the left and comes back."""
-        first, last = frames
-        take, leave = first + 3, last - 2
-        spread.angles[leaf] = LEFT_RAD * ease((ROWS - take) / (leave - take))
-        side = "r"
-        rotation = self.puppet.hand_rotation(
-            side, spread.way(-0.35, 0.80, -0.35), spread.way(-0.80, -0.25, -0.50)
-        )
-        tips = np.array(
-            [
-                spread.place(leaf_edge(min(float(a), 0.62 * LEFT_RAD), 0.055, 0.010))
-                + spread.way(0, 0, 0.007)
-                for a in spread.angles[leaf]
-            ]
-        )
-        wrists = tips - tip_offset(self.puppet, side, "middle", _LEAF_CURL, rotation)
-        low_elbow = np.array([SIGN[side] * 0.7, 0.25, -0.9])
-        self._wish(side, (first - 6, take), wrists, rotation, "world", pole=low_elbow)
-        self._close(side, first - 6, _LEAF_CURL, within=6)
-        self._hold_corner(spread, side, (leave - 5, last + 9))
-        self.scene.event(self.instance, "turn_page", frames, spread.instance)
+def turn_page(person: Person, spread: Spread, leaf: int, frames: Frames) -> None:
+    """The right hand takes the upper corner of a leaf, leads it over to the left and comes back."""
+    first, last = frames
+    take, leave = first + 3, last - 2
+    spread.angles[leaf] = LEFT_RAD * ease((ROWS - take) / (leave - take))
+    side = "r"
+    rotation = person.puppet.hand_rotation(
+        side, spread.way(-0.35, 0.80, -0.35), spread.way(-0.80, -0.25, -0.50)
+    )
+    tips = np.array(
+        [
+            spread.place(leaf_edge(min(float(a), 0.62 * LEFT_RAD), 0.055, 0.010)) + spread.way(0, 0, 0.007)
+            for a in spread.angles[leaf]
+        ]
+    )
+    wrists = tips - tip_offset(person.puppet, side, "middle", _LEAF_CURL, rotation)
+    low_elbow = np.array([SIGN[side] * 0.7, 0.25, -0.9])
+    person.wish(side, (first - 6, take), wrists, rotation, "world", pole=low_elbow)
+    person.close_hand(side, first - 6, _LEAF_CURL, within=6)
+    _hold_corner(person, spread, side, (leave - 5, last + 9))
+    person.scene.event(person.instance, "turn_page", frames, spread.instance)
 
-    def _hold_corner(self, spread: Spread, side: str, frames: Frames) -> None:
-        s = -SIGN[side]  # the reader's left hand holds the half at -X
-        up = spread.way(0.0, 0.0, 1.0)
-        rotation = self.puppet.hand_rotation(
-            side, spread.way(-0.62 * s, 0.75, 0.0), up + 0.25 * spread.way(-s, 0.0, 0.0)
-        )
-        rim = spread.place(leaf_edge(0.0 if s > 0 else LEFT_RAD, -0.28 * PAGE_M[1], 0.035))
-        wrist = rim - 0.012 * up - self.puppet.palm_offset(side, rotation)
-        self._wish(side, frames, wrist, rotation, "world")
-        self._close(side, max(frames[0], -9), _HOLD_CURL)
+
+def _hold_corner(person: Person, spread: Spread, side: str, frames: Frames) -> None:
+    s = -SIGN[side]  # the reader's left hand holds the half at -X
+    up = spread.way(0.0, 0.0, 1.0)
+    rotation = person.puppet.hand_rotation(
+        side, spread.way(-0.62 * s, 0.75, 0.0), up + 0.25 * spread.way(-s, 0.0, 0.0)
+    )
+    rim = spread.place(leaf_edge(0.0 if s > 0 else LEFT_RAD, -0.28 * PAGE_M[1], 0.035))
+    wrist = rim - 0.012 * up - person.puppet.palm_offset(side, rotation)
+    person.wish(side, frames, wrist, rotation, "world")
+    person.close_hand(side, max(frames[0], -9), _HOLD_CURL)

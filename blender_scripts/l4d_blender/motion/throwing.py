@@ -1,7 +1,7 @@
 """People who throw a ball underarm, and what a thrown ball does: arcs, hops, a roll to rest.
 
-Adds one verb to Person. The ball's way after the hand is planned apart (`toss`), once the thrower is
-finished, because it starts where the hand lets go.
+The ball's way after the hand is planned apart (`toss`), once the thrower is finished, because it starts where
+the hand lets go.
 """
 
 from __future__ import annotations
@@ -23,44 +23,42 @@ GRAVITY = 9.81
 _BALL_CURL = 0.50
 
 
-class Thrower(Person):
-    """A person who can have a ball in one hand and throw it."""
+def hold_ball(person: Person, ball: Instance, radius_m: float, *, side: str = "r") -> None:
+    """Has the ball in a hanging hand from the first frame on."""
+    person.hold(ball, (0.0, 0.0, radius_m), side=side, clear_m=0.09)
+    person.curl[side][:] = _BALL_CURL
 
-    def hold_ball(self, ball: Instance, radius_m: float, *, side: str = "r") -> None:
-        """Has the ball in a hanging hand from the first frame on."""
-        self.hold(ball, (0.0, 0.0, radius_m), side=side, clear_m=0.09)
-        self._curl[side][:] = _BALL_CURL
 
-    def throw(
-        self, ball: Instance, frames: Frames, *, release: int, towards: Sequence[float], side: str = "r"
-    ) -> None:
-        """Swings the arm back, then forward and up, and lets the ball go at `release`."""
-        first, last = frames
-        held = next((h for h in self._held if h.instance is ball and h.last is None), None)
-        if held is None:
-            raise RecipeError(f"{self.instance.name} doesn't hold {ball.name}", "call hold_ball first")
-        s, k = SIGN[side], self._k
-        back = release - 7
-        rotations = [
-            self.puppet.hand_rotation(side, way, palm)
-            for way, palm in (
-                (vec(0.1 * s, 0.55, -0.85), vec(0, -0.8, -0.5)),
-                (vec(-0.05 * s, -0.80, 0.55), vec(0, -0.55, 0.80)),
-            )
-        ]
-        places = [vec(s * 0.21, 0.30, 0.86) * k, vec(s * 0.12, -0.46, 1.34) * k]
-        elbow = vec(s * 0.5, 0.9, -0.5)
-        self._wish(side, (first, back), places[0], rotations[0], "body", pole=elbow)
-        self._wish(side, (back, release + 7), places[1], rotations[1], "body", pole=elbow, arc=-0.30)
-        self._lower(side, (release + 12, last))
-        self._close(side, release - 1, 0.10, within=5)
-        self._close(side, last - 8, 0.28)
-        lean = np.clip((ROWS - first) / (last - first), 0.0, 1.0)
-        self._bend = self._bend + 0.20 * np.sin(pi * lean) ** 2
-        self._crouch = self._crouch + 0.05 * k * np.sin(pi * lean) ** 2
-        held.last = release
-        self.look_at(tuple(towards), (max(first - 6, 0), last))
-        self.scene.event(self.instance, "throw", frames, ball)
+def throw(
+    person: Person, ball: Instance, frames: Frames, *, release: int, towards: Sequence[float], side: str = "r"
+) -> None:
+    """Swings the arm back, then forward and up, and lets the ball go at `release`."""
+    first, last = frames
+    held = next((h for h in person.held if h.instance is ball and h.last is None), None)
+    if held is None:
+        raise RecipeError(f"{person.instance.name} doesn't hold {ball.name}", "call hold_ball first")
+    s, k = SIGN[side], person.k
+    back = release - 7
+    rotations = [
+        person.puppet.hand_rotation(side, way, palm)
+        for way, palm in (
+            (vec(0.1 * s, 0.55, -0.85), vec(0, -0.8, -0.5)),
+            (vec(-0.05 * s, -0.80, 0.55), vec(0, -0.55, 0.80)),
+        )
+    ]
+    places = [vec(s * 0.21, 0.30, 0.86) * k, vec(s * 0.12, -0.46, 1.34) * k]
+    elbow = vec(s * 0.5, 0.9, -0.5)
+    person.wish(side, (first, back), places[0], rotations[0], "body", pole=elbow)
+    person.wish(side, (back, release + 7), places[1], rotations[1], "body", pole=elbow, arc=-0.30)
+    person.lower_arm(side, (release + 12, last))
+    person.close_hand(side, release - 1, 0.10, within=5)
+    person.close_hand(side, last - 8, 0.28)
+    lean = np.clip((ROWS - first) / (last - first), 0.0, 1.0)
+    person.bend = person.bend + 0.20 * np.sin(pi * lean) ** 2
+    person.crouch = person.crouch + 0.05 * k * np.sin(pi * lean) ** 2
+    held.last = release
+    person.look_at(tuple(towards), (max(first - 6, 0), last))
+    person.scene.event(person.instance, "throw", frames, ball)
 
 
 def toss(

@@ -1,6 +1,6 @@
 """People who hand things over: one holds out what hangs from the hand, the other takes it.
 
-Adds verbs to Person. Finish the giver before the taker: the thing follows the first hand, then the second.
+Verbs over a Person. Finish the giver before the taker: the thing follows the first hand, then the second.
 """
 
 from __future__ import annotations
@@ -20,51 +20,50 @@ from .people import Person
 from .plan_person import ROWS, SIGN, Frames, Held
 
 
-class Trader(Person):
-    """A person at a market."""
+def _dangling(person: Person, side: str) -> np.ndarray:
+    """Rotation, in the body's space, of a hand that holds a bar before the body: thumb ahead."""
+    s = SIGN[side]
+    return person.puppet.hand_rotation(side, vec(0.04 * s, -0.22, -1.0), vec(-s, 0.0, -0.08))
 
-    def _dangling(self, side: str) -> np.ndarray:
-        """Rotation, in the body's space, of a hand that holds a bar before the body: thumb ahead."""
-        s = SIGN[side]
-        return self.puppet.hand_rotation(side, vec(0.04 * s, -0.22, -1.0), vec(-s, 0.0, -0.08))
 
-    def offer(self, thing: Instance, frames: Frames, *, release: int, side: str = "r") -> None:
-        """Holds out what hangs from a hand; it is let go at `release`, then the arm sinks."""
-        first, last = frames
-        held = next((h for h in self._held if h.instance is thing and h.last is None), None)
-        if held is None:
-            raise RecipeError(f"{self.instance.name} doesn't hold {thing.name}", "hold or lift it first")
-        wrist = vec(SIGN[side] * 0.05, -0.46, 1.00) * self._k
-        self._wish(side, (first, first + 18), wrist, self._dangling(side), "body")
-        self._close(side, release, 0.12, within=6)
-        self._lower(side, (release + 5, last))
-        held.last = release
-        self.scene.event(self.instance, "hand_over", (first, release + 4), thing)
-        self._report_hold(held)
+def offer(person: Person, thing: Instance, frames: Frames, *, release: int, side: str = "r") -> None:
+    """Holds out what hangs from a hand; it is let go at `release`, then the arm sinks."""
+    first, last = frames
+    held = next((h for h in person.held if h.instance is thing and h.last is None), None)
+    if held is None:
+        raise RecipeError(f"{person.instance.name} doesn't hold {thing.name}", "hold or lift it first")
+    wrist = vec(SIGN[side] * 0.05, -0.46, 1.00) * person.k
+    person.wish(side, (first, first + 18), wrist, _dangling(person, side), "body")
+    person.close_hand(side, release, 0.12, within=6)
+    person.lower_arm(side, (release + 5, last))
+    held.last = release
+    person.scene.event(person.instance, "hand_over", (first, release + 4), thing)
+    person.report_hold(held)
 
-    def take(
-        self,
-        thing: Instance,
-        grip: Sequence[float],
-        frames: Frames,
-        *,
-        release: int,
-        side: str = "r",
-        clear_m: float,
-    ) -> None:
-        """Grips what somebody holds out (`grip` in the thing's own space) and lets it hang at the side."""
-        first, last = frames
-        at = np.array(thing.matrix(release))
-        point = at[:3, :3] @ np.array(grip, float) + at[:3, 3]
-        turned = turn_z(float(self._heading[release])) @ self._dangling(side)
-        wrist = point - self.puppet.grip_offset(side, turned)
-        self._wish(side, (first, release - 5), wrist, turned, "world", arc=0.04)
-        self._close(side, first, 0.10)
-        self._close(side, release - 7, 0.86, within=6)
-        self._carry(side, "side", (release + 2, last), clear_m, [point])
-        self._held.append(Held(thing, (side,), [point], release, rest_at=Matrix(at)))
-        self.look_at(tuple(point), (max(first - 8, 0), last))
-        self.scene.event(self.instance, "take", frames, thing)
+
+def take(
+    person: Person,
+    thing: Instance,
+    grip: Sequence[float],
+    frames: Frames,
+    *,
+    release: int,
+    side: str = "r",
+    clear_m: float,
+) -> None:
+    """Grips what somebody holds out (`grip` in the thing's own space) and lets it hang at the side."""
+    first, last = frames
+    at = np.array(thing.matrix(release))
+    point = at[:3, :3] @ np.array(grip, float) + at[:3, 3]
+    turned = turn_z(float(person.heading[release])) @ _dangling(person, side)
+    wrist = point - person.puppet.grip_offset(side, turned)
+    person.wish(side, (first, release - 5), wrist, turned, "world", arc=0.04)
+    person.close_hand(side, first, 0.10)
+    person.close_hand(side, release - 7, 0.86, within=6)
+    person.carry(side, "side", (release + 2, last), clear_m, [point])
+    person.held.append(Held(thing, (side,), [point], release, rest_at=Matrix(at)))
+    person.look_at(tuple(point), (max(first - 8, 0), last))
+    person.scene.event(person.instance, "take", frames, thing)
 
 
 def swing_while_carried(

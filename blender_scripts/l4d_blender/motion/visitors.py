@@ -1,6 +1,6 @@
 """People who come and go with bags: set one down, fetch another from a seat without dragging it off.
 
-Adds to Person what luggage shows by itself: while it is moved, it moves. Refuses to know rooms.
+Records also what luggage shows by itself: while it is moved, it moves. Refuses to know rooms.
 """
 
 from __future__ import annotations
@@ -15,30 +15,28 @@ from .people import Person
 from .plan_person import Frames
 
 
-class Visitor(Person):
-    """A Person whose bags' moves are recorded too."""
+def put_down(person: Person, thing: Instance, at: Sequence[float], frames: Frames) -> None:
+    """Sets a held thing down; it has moved since it was taken."""
+    held = next(held for held in person.held if held.instance is thing and held.last is None)
+    person.put_down(thing, at, frames)
+    assert held.last is not None
+    person.scene.event(thing, "move", (held.first, held.last))
 
-    def put_down(self, thing: Instance, at: Sequence[float], frames: Frames) -> None:
-        """Sets a held thing down; it has moved since it was taken."""
-        held = next(held for held in self._held if held.instance is thing and held.last is None)
-        super().put_down(thing, at, frames)
-        assert held.last is not None
-        self.scene.event(thing, "move", (held.first, held.last))
 
-    def fetch(
-        self,
-        thing: Instance,
-        grip: Sequence[float],
-        frames: Frames,
-        *,
-        side: str = "r",
-        bar: Sequence[float] | None = None,
-        clear_m: float = 0.16,
-    ) -> None:
-        """Lifts a thing from a seat: first up in front of the body, then down to the side, where it stays."""
-        first, last = frames
-        upright = first + round(0.78 * (last - first))
-        self.lift(thing, grip, (first, upright), side=side, bar=bar, carry="front", clear_m=clear_m)
-        held = self._held[-1]
-        self._carry(side, "side", (upright - 1, last), clear_m, [np.array(g) for g in held.grips])
-        self.scene.event(thing, "move", (held.first, LAST_FRAME))
+def fetch(
+    person: Person,
+    thing: Instance,
+    grip: Sequence[float],
+    frames: Frames,
+    *,
+    side: str = "r",
+    bar: Sequence[float] | None = None,
+    clear_m: float = 0.16,
+) -> None:
+    """Lifts a thing from a seat: first up in front of the body, then down to the side, where it stays."""
+    first, last = frames
+    upright = first + round(0.78 * (last - first))
+    person.lift(thing, grip, (first, upright), side=side, bar=bar, carry="front", clear_m=clear_m)
+    held = person.held[-1]
+    person.carry(side, "side", (upright - 1, last), clear_m, [np.array(g) for g in held.grips])
+    person.scene.event(thing, "move", (held.first, LAST_FRAME))

@@ -8,9 +8,11 @@ from __future__ import annotations
 import random
 from collections.abc import Callable
 
+from ...motion import lifters, sitting, travellers
+from ...motion.people import Person
 from ..areas import Area, Flat
 from ..people import folk, wares
-from ..people.actors import Actor, hire
+from ..people.bodies import add_person
 from ..people.rehearsal import ahead
 from ..stage import Chair, Stage
 
@@ -22,12 +24,12 @@ _ROOM_M = 0.34
 _FEET_M = 0.41  # from the point on a seat to the feet of somebody who sits on it
 _HELD = ("bucket", "basket", "bag", "teddy", "ball")
 
-_GESTURES: tuple[Callable[[Actor], None], ...] = (
-    lambda actor: actor.wave((2, 70)),
-    lambda actor: actor.crouch((2, 80)),
-    lambda actor: actor.stretch((8, 80)),
-    lambda actor: actor.phone((0, 80)),
-    lambda actor: actor.bend_down((4, 60)),
+_GESTURES: tuple[Callable[[Person], None], ...] = (
+    lambda person: person.wave((2, 70)),
+    lambda person: person.crouch_down((2, 80)),
+    lambda person: lifters.stretch(person, (8, 80)),
+    lambda person: travellers.phone(person, (0, 80)),
+    lambda person: person.bend_down((4, 60)),
 )
 
 
@@ -48,9 +50,9 @@ def people(stage: Stage, rng: random.Random, area: Area, count: int) -> list[Fla
 
 def _seated(stage: Stage, figure: folk.Figure, name: str, chair: Chair) -> Flat:
     feet = ahead(chair.seat[:2], chair.heading_deg, _FEET_M * figure.scale)
-    actor = hire(stage, figure, name, feet, chair.heading_deg)
-    actor.sit_all_along(chair.seat)
-    actor.finish()
+    person = add_person(stage, figure, name, feet, chair.heading_deg)
+    sitting.sit_all_along(person, chair.seat)
+    person.finish()
     return feet
 
 
@@ -63,10 +65,10 @@ def _standing(stage: Stage, rng: random.Random, area: Area, figure: folk.Figure,
     if drawn < 0.25:
         _holding(stage, rng, figure, name, (*at, ground_m), heading_deg)
         return at
-    actor = hire(stage, figure, name, at, heading_deg, ground_m)
+    person = add_person(stage, figure, name, at, heading_deg, ground_m)
     if drawn < 0.65:
-        rng.choice(_GESTURES)(actor)
-    actor.finish()
+        rng.choice(_GESTURES)(person)
+    person.finish()
     return at
 
 
@@ -89,9 +91,9 @@ def _holding(
     prop = stage.register(
         look.kind, held, thing, at=at[:2], heading_deg=turned_deg, area=None, look=look, category=ware.noun
     )
-    actor = hire(stage, figure, name, at[:2], heading_deg, at[2])
+    person = add_person(stage, figure, name, at[:2], heading_deg, at[2])
     grip = ware.hold_of(look)
-    actor.hold(
+    person.hold(
         prop.instance, grip, side=rng.choice("lr"), bar=ware.bar, carry=ware.carry, clear_m=ware.clear_m
     )
-    actor.finish()
+    person.finish()

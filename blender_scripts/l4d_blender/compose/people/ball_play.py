@@ -10,13 +10,12 @@ import random
 import numpy as np
 from mathutils import Quaternion
 
+from ...motion import playing, throwing
 from ...motion.ball_games import Ball, RollingBall, slowing
-from ...motion.playing import kick_spot
-from ...motion.throwing import toss
+from ...motion.people import Person
 from ...scene.timeline import FRAME_COUNT, LAST_FRAME
 from ..areas import Area, Flat
 from ..errors import NoRoom
-from .actors import Actor
 from .errands import arriving
 from .folk import Figure
 from .rehearsal import ahead
@@ -42,7 +41,7 @@ def kicked_back(rng: random.Random, area: Area, one: Figure, two: Figure, item: 
     first = _kicker(rng, area, one, item, heading, rng.randint(0, 3))
     strike = _kick(rng, first, item)
     back = heading + 180.0 + rng.uniform(-70, 70)
-    spot = kick_spot(two.dress, between, back, item.ware.radius_m)
+    spot = playing.kick_spot(two.dress, between, back, item.ware.radius_m)
     if not area.is_free(spot, 0.26):
         raise NoRoom("there is no room to kick")
     second = Role(two, spot, back)
@@ -76,11 +75,13 @@ def throw(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
         places = [item.disc.xy[0, axis], *(spot[axis] for spot in spots)]
         item.disc.xy[:, axis] = np.interp(frames, knots, places)
     item.disc.base_m[:] = np.interp(frames, knots[:2], [1.0, 0.0])
-    role.do(lambda a: _hang(a, item, side))
+    role.do(lambda p: _hang(p, item, side))
     role.wait(first)
     role.act(
         40,
-        lambda a, f: a.throw(item.prop.instance, f, release=release, towards=(*spots[-1], 0.1), side=side),
+        lambda p, f: throwing.throw(
+            p, item.prop.instance, f, release=release, towards=(*spots[-1], 0.1), side=side
+        ),
         0.34,
     )
     role.let_go(item)
@@ -89,18 +90,18 @@ def throw(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
     return role
 
 
-def _hang(actor: Actor, item: Item, side: str) -> None:
+def _hang(person: Person, item: Item, side: str) -> None:
     """A ball at a hanging hand, with the palm against its outer side."""
     sign, radius = (1.0 if side == "l" else -1.0), item.ware.radius_m
-    actor.hold(item.prop.instance, (sign * 0.85 * radius, 0.0, radius), side=side, clear_m=_CLEAR_M)
-    actor.ease_grip(side, 0.45)
+    person.hold(item.prop.instance, (sign * 0.85 * radius, 0.0, radius), side=side, clear_m=_CLEAR_M)
+    person.curl[side][:] = 0.45  # fingers that lie round something big
 
 
 def _thrown(
     role: Role, item: Item, release: int, hops: list[tuple[int, Flat]], rest: tuple[int, Flat]
 ) -> None:
     ball = Ball(item.prop.instance, item.ware.radius_m, rest[1], role.ground_m)
-    toss(ball, release, hops, rest)
+    throwing.toss(ball, release, hops, rest)
     ball.finish()
 
 
@@ -119,7 +120,7 @@ def _aim(
 
 def _kicker(rng: random.Random, area: Area, figure: Figure, item: Item, heading: float, delay: int) -> Role:
     """Somebody who stands behind a ball, or who walks up to it."""
-    spot = kick_spot(figure.dress, item.at, heading, item.ware.radius_m)
+    spot = playing.kick_spot(figure.dress, item.at, heading, item.ware.radius_m)
     if not area.is_free(spot, 0.24):
         raise NoRoom("there is no room to kick")
     if rng.random() < 0.5:
@@ -136,7 +137,11 @@ def _kick(rng: random.Random, role: Role, item: Item) -> int:
     """Plans a kick from where somebody stands; returns the frame at which foot and ball meet."""
     first, here, heading = role.now, role.here, role.facing
     strike = first + rng.randint(10, 12)
-    role.act(strike + 16 - first, lambda a, f: a.kick(item.prop.instance, f, strike=strike, side="r"), 0.36)
+    role.act(
+        strike + 16 - first,
+        lambda p, f: playing.kick(p, item.prop.instance, f, strike=strike, side="r"),
+        0.36,
+    )
     role.disc.xy[first:] = ahead(here, heading, 0.5 * _STEP_IN_M * role.k)
     role.disc.xy[strike:] = ahead(here, heading, _STEP_IN_M * role.k)
     role.disc.friends.add(item.name)

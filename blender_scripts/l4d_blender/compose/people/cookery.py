@@ -11,14 +11,14 @@ from math import radians
 import numpy as np
 
 from ...assets import kitchen_jug, pot
-from ...motion.cooks import JugPath, SpoonPath, stream_matrices
-from ...motion.handling import Grip, key_path, still
+from ...motion import cooks
+from ...motion.handling import Grip, key_path, rest_hand, still
+from ...motion.people import Person
 from ...scene.timeline import FRAME_COUNT, LAST_FRAME
 from .. import looks
 from ..areas import Flat
 from ..looks import Look
 from ..stage import Prop, Stage
-from .actors import Actor
 
 ENAMELS = {"red": (0.50, 0.035, 0.025), "blue": (0.03, 0.10, 0.33), "green": (0.05, 0.22, 0.11)}
 SOUPS = (
@@ -61,32 +61,32 @@ def put_pot(
 
 
 def stir(
-    rng: random.Random, stage: Stage, cook: Actor, x: float, own: Prop, other: Prop | None, top_m: float
+    rng: random.Random, stage: Stage, cook: Person, x: float, own: Prop, other: Prop | None, top_m: float
 ) -> None:
     """Stirs its pot, tastes or stirs another one, all with one wooden spoon; the left hand rests."""
     spoon = _landmark(stage, "kitchen_tools.wooden_spoon", "spoon")
-    way, change = SpoonPath(), rng.randint(28, 40)
-    cook.lean_in((-2, -1), 0.16)
+    way, change = cooks.SpoonPath(), rng.randint(28, 40)
+    cook.stoop(-2, -1, 0.16)
     _round(cook, way, own, (0, change), top_m)
     later = change + rng.randint(30, 36)
     if rng.random() < 0.6 or other is None:
-        cook.lean_in((change - 2, change + 10), 0.05)
-        cook.taste(way, (change + 6, later - 6))
+        cook.stoop(change - 2, change + 10, 0.05)
+        cooks.taste(cook, way, (change + 6, later - 6))
     if later <= LAST_FRAME - 16:
-        cook.lean_in((later - 16, later), 0.22)
+        cook.stoop(later - 16, later, 0.22)
         _round(cook, way, other or own, (later, LAST_FRAME), top_m)
-    cook.use_spoon(spoon.instance, way, 0.255)
-    cook.rest_hand("l", (x + 0.27, cook.stands_at[1] - 0.30, top_m), (0, LAST_FRAME))
+    cooks.use_spoon(cook, spoon.instance, way, 0.255)
+    rest_hand(cook, "l", (x + 0.27, cook.stands_at[1] - 0.30, top_m), (0, LAST_FRAME))
     cook.look_at((own.at[0], own.at[1] - 0.4, top_m + 0.1), (0, change))
 
 
-def pour(rng: random.Random, stage: Stage, cook: Actor, x: float, own: Prop, top_m: float) -> None:
+def pour(rng: random.Random, stage: Stage, cook: Person, x: float, own: Prop, top_m: float) -> None:
     """Pours from a jug into its pot and puts the jug down beside it."""
     jug = _landmark(stage, "kitchen_jug", "jug")
     shape, first, y = own.look.words["look"], rng.randint(8, 26), cook.stands_at[1]
     last, turn = first + rng.randint(24, 30), radians(16)
-    cook.lean_in((-2, -1), 0.10)
-    route = JugPath(kitchen_jug.LIP, turn)
+    cook.stoop(-2, -1, 0.10)
+    route = cooks.JugPath(kitchen_jug.LIP, turn)
     over = np.array([own.at[0] + 0.035, own.at[1] + 0.005, top_m + shape.height_m + 0.135])
     route.stand(0, (x + 0.22, y - 0.36, top_m + 0.10))
     if first > 12:
@@ -97,19 +97,21 @@ def pour(rng: random.Random, stage: Stage, cook: Actor, x: float, own: Prop, top
     down = (last + 6, last + 24)
     route.stand(down[1], (x + 0.29, y - 0.36, top_m))
     handle = Grip(kitchen_jug.GRIP, (0, 0, 1), (-0.30, -0.95, 0))
-    path = cook.pour(jug.instance, route, handle, own.instance, (first, last), side="l", puts_down=down)
+    path = cooks.pour(
+        cook, jug.instance, route, handle, own.instance, (first, last), side="l", puts_down=down
+    )
     colour, _ = SOUPS[0]
     falling = kitchen_jug.stream("stream", colour=colour)
     surface = np.full(FRAME_COUNT, top_m + shape.soup_m - _LOW_M)
-    key_path(falling, stream_matrices(path, kitchen_jug.LIP, surface, (first - 1, last - 2), turn))
-    cook.rest_hand("r", (x - 0.27, y - 0.30, top_m), (0, LAST_FRAME))
+    key_path(falling, cooks.stream_matrices(path, kitchen_jug.LIP, surface, (first - 1, last - 2), turn))
+    rest_hand(cook, "r", (x - 0.27, y - 0.30, top_m), (0, LAST_FRAME))
     cook.look_at((own.at[0], own.at[1] - 0.4, top_m + 0.1), (0, last))
 
 
-def _round(cook: Actor, way: SpoonPath, into: Prop, frames: tuple[int, int], top_m: float) -> None:
+def _round(cook: Person, way: cooks.SpoonPath, into: Prop, frames: tuple[int, int], top_m: float) -> None:
     shape = into.look.words["look"]
     size = {"radius_m": 0.40 * shape.radius_m, "height_m": 0.25 * shape.height_m, "lean": (-0.22, 0.40, 1.0)}
-    cook.stir(way, into.instance, still((*into.at, top_m)), frames, **size)
+    cooks.stir(cook, way, into.instance, still((*into.at, top_m)), frames, **size)
 
 
 def _landmark(stage: Stage, kind: str, name: str) -> Prop:

@@ -12,13 +12,15 @@ from math import radians
 from mathutils import Matrix
 
 from ...assets import laptop
+from ...motion import deskwork
 from ...motion.deskwork import Computer
+from ...motion.people import Person
+from ...motion.sitting import rest_hands
 from ...scene.timeline import LAST_FRAME
 from .. import looks
 from ..areas import Flat
 from ..looks import Look
 from ..stage import Stage
-from .actors import Actor
 
 METALS = {
     "silver": laptop.COMPACT_SILVER,
@@ -69,46 +71,46 @@ def mug_at(user: Flat) -> Flat:
     return user[0] - _ASIDE_M, user[1] - AHEAD_M + 0.06
 
 
-def open_and_type(rng: random.Random, user: Actor, own: Computer, top_m: float) -> int:
+def open_and_type(rng: random.Random, user: Person, own: Computer, top_m: float) -> int:
     """Opens the laptop and types; returns the frame at which that ends."""
     _rest(user, top_m)
     first = rng.choice((rng.randint(8, 14), rng.randint(30, 38)))
     opened = first + rng.randint(16, 19)
-    user.open_lid(own, (first, opened))
+    deskwork.open_lid(user, own, (first, opened))
     start = opened + rng.randint(6, 9)
     last = LAST_FRAME if LAST_FRAME - start < 40 else rng.choice((LAST_FRAME, start + rng.randint(26, 36)))
-    user.type_on(own, (start, last), arrive=5)
+    deskwork.type_on(user, own, (start, last), arrive=5)
     if last < LAST_FRAME - 14:
         _rest(user, top_m, (last + 1, last + 12))
     return last
 
 
-def type_a_while(rng: random.Random, user: Actor, own: Computer, top_m: float) -> int:
+def type_a_while(rng: random.Random, user: Person, own: Computer, top_m: float) -> int:
     """Types from the first frames on or later; returns the frame at which that ends."""
     if rng.random() < 0.5:
         first, last = 0, rng.randint(28, 44)
-        user.type_on(own, (first, last), arrive=2)
+        deskwork.type_on(user, own, (first, last), arrive=2)
     else:
         _rest(user, top_m)
         first = rng.randint(22, 44)
         last = first + rng.randint(30, 44)
-        user.type_on(own, (first, min(last, LAST_FRAME)))
+        deskwork.type_on(user, own, (first, min(last, LAST_FRAME)))
     if last < LAST_FRAME - 14:
         _rest(user, top_m, (last + 1, last + 12))
     return min(last, LAST_FRAME)
 
 
-def drink(rng: random.Random, stage: Stage, user: Actor, name: str, top_m: float, start: int) -> None:
+def drink(rng: random.Random, stage: Stage, user: Person, name: str, top_m: float, start: int) -> None:
     """Takes the mug beside the laptop and drinks, if there is time for it."""
     first = start + rng.randint(2, 8)
     at = mug_at(user.stands_at)
     mug = stage.landmark(
         "coffee_table.mug", name, at, 180.0, on=top_m, colour=rng.choice(("red", "blue", "white"))
     )
-    user.drink_from(mug.instance, _HANDLE, _RIM, (first, LAST_FRAME))
+    deskwork.drink_from(user, mug.instance, _HANDLE, _RIM, (first, LAST_FRAME))
 
 
-def _rest(user: Actor, top_m: float, frames: tuple[int, int] = (-2, -1)) -> None:
+def _rest(user: Person, top_m: float, frames: tuple[int, int] = (-2, -1)) -> None:
     """Palms on the counter, to both sides of the laptop."""
     x, y = user.stands_at
-    user.rest_hands({"l": (x + 0.24, y - 0.30, top_m), "r": (x - 0.24, y - 0.30, top_m)}, frames)
+    rest_hands(user, {"l": (x + 0.24, y - 0.30, top_m), "r": (x - 0.24, y - 0.30, top_m)}, frames)

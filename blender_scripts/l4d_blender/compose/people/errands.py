@@ -13,11 +13,11 @@ from math import hypot
 import numpy as np
 from mathutils import Vector
 
-from ...motion.traders import swing_while_carried
+from ...motion import nursery, traders, travellers
+from ...motion.people import Person
 from ...scene.timeline import FRAME_COUNT, LAST_FRAME
 from ..areas import Area, Flat, heading_to
 from ..errors import NoRoom
-from .actors import Actor
 from .folk import Figure
 from .rehearsal import Disc, ahead
 from .roles import Item, Role
@@ -125,14 +125,16 @@ def hand_over(rng: random.Random, area: Area, giver: Figure, taker: Figure, item
     ware = item.ware
     first.hold(item, "r", near)
     first.wait(release - 24)
-    first.act(44, lambda a, f: a.offer(item.prop.instance, f, release=f[0] + 24, side="r"), 0.30)
+    first.act(44, lambda p, f: traders.offer(p, item.prop.instance, f, release=f[0] + 24, side="r"), 0.30)
     second.walk([stand], facing_deg=first.facing + 180.0)
     if second.now > release - 16:
         raise NoRoom("somebody comes too late")
     second.wait(release - 16 - second.now)
     second.act(
         34,
-        lambda a, f: a.take(item.prop.instance, far, f, release=f[0] + 16, side="r", clear_m=ware.clear_m),
+        lambda p, f: traders.take(
+            p, item.prop.instance, far, f, release=f[0] + 16, side="r", clear_m=ware.clear_m
+        ),
         0.30,
     )
     first.let_go(item)
@@ -159,7 +161,7 @@ def fetch_and_hug(rng: random.Random, area: Area, figure: Figure, item: Item, de
         role.walk([stand], facing_deg=facing)
     role.lift(item, None, rng.randint(26, 32))
     half_m = abs(item.ware.grips(item.look)[0][0])
-    role.act(LAST_FRAME - role.now, lambda a, f: a.hug(item.prop.instance, f, half_m=half_m), 0.36)
+    role.act(LAST_FRAME - role.now, lambda p, f: nursery.hug(p, item.prop.instance, f, half_m=half_m), 0.36)
     return role
 
 
@@ -176,10 +178,10 @@ def wait_with_suitcase(rng: random.Random, area: Area, figure: Figure, item: Ite
     role.disc.friends.add(item.name)
     last = rng.randint(26, 60)
 
-    def do(a: Actor) -> None:
+    def do(p: Person) -> None:
         pose = item.prop.instance.matrix(0)
         bar = pose.to_3x3() @ Vector((1.0, 0.0, 0.0))
-        a.hand_on(item.prop.instance, pose @ item.thing.grip, last, side=side, bar=bar)
+        travellers.hand_on(p, item.prop.instance, pose @ item.thing.grip, last, side=side, bar=bar)
 
     role.do(do)
     gesture(rng, role, ("wave", "phone"))
@@ -197,7 +199,7 @@ def pull_suitcase(rng: random.Random, area: Area, figure: Figure, item: Item) ->
     role.free_hands = {"l", "r"} - {side}
     role.disc.friends.add(item.name)
     parked: list[int] = []
-    role.do(lambda a: parked.append(a.pull(item.thing, item.prop.instance, parked_at, side=side)))
+    role.do(lambda p: parked.append(travellers.pull(p, item.thing, item.prop.instance, parked_at, side=side)))
     way = _way_out(rng, area, role, _LOADED_M, 1.0, 2.1, 180.0)
     role.heading[:] = heading_to(at, way[0])
     parked_at = role.walk(way, pace=rng.uniform(1.9, 2.2))[1]
@@ -328,4 +330,4 @@ def _swings(role: Role, item: Item, frames: tuple[int, int]) -> None:
     if last - first < 20:
         return
     grip = item.ware.grips(item.look)[0]
-    role.after.append(lambda: swing_while_carried(item.prop.instance, grip, [(first, last)]))
+    role.after.append(lambda: traders.swing_while_carried(item.prop.instance, grip, [(first, last)]))

@@ -1,6 +1,6 @@
 """What somebody does in a drawn plan, act after act: where it happens, and how a body does it later.
 
-A role moves over the plan while it is written (`rehearsal` judges it) and is performed once by an Actor.
+A role moves over the plan while it is written (`rehearsal` judges it) and is performed once by a Person.
 Knows acts and how long they take; draws nothing.
 """
 
@@ -13,13 +13,15 @@ from typing import Any
 
 import numpy as np
 
+from ...motion import lifters, playing, travellers
+from ...motion.people import Person
 from ...scene import keys
 from ...scene.timeline import FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
 from ..areas import Area, Flat, heading_to
 from ..errors import NoRoom
 from ..looks import Look
 from ..stage import Prop, Stage
-from .actors import Actor, hire, middle_of
+from .bodies import add_person, middle_of
 from .folk import Figure
 from .rehearsal import Disc, ahead, ahead_of
 from .wares import Ware
@@ -102,8 +104,8 @@ class Role:
         self.waits_for: list[Role] = []
         self.touches: list[Prop] = []  # furniture
         self.start: Flat | None = None  # where its feet are at first, if that is not where its disc is
-        self.actor: Actor
-        self._steps: list[Callable[[Actor], None]] = []
+        self.person: Person
+        self._steps: list[Callable[[Person], None]] = []
         self.ground_m = 0.0
 
     # ---- where it is -----------------------------------------------------------------------------
@@ -158,7 +160,7 @@ class Role:
         self.heading[first:] = np.degrees(np.interp(at, samples, tangents))
         if facing_deg is not None:
             self.heading[last:] = facing_deg
-        self._steps.append(lambda a: a.walk_along(points, (first, last), facing_deg=facing_deg))
+        self._steps.append(lambda p: p.walk_along(points, (first, last), facing_deg=facing_deg))
         self.hands_follow(first)
         self.now = last
         return first, last
@@ -174,7 +176,7 @@ class Role:
         self.heading[first:] = np.interp(
             np.arange(first, FRAME_COUNT), [first, last], [self.facing, self.facing + way]
         )
-        self._steps.append(lambda a: a.turn(heading_deg, (first, last)))
+        self._steps.append(lambda p: p.turn(heading_deg, (first, last)))
         self.hands_follow(first)
         self.now = last
         return first, last
@@ -198,15 +200,15 @@ class Role:
         """Stands until a frame (None: to the end), if that is long enough to be told."""
         first, last = self.now, LAST_FRAME if until is None else until
         if last - first + 1 >= MIN_EVENT_FRAMES + 3:
-            self._steps.append(lambda a: a.stand((first, last)))
+            self._steps.append(lambda p: p.stand((first, last)))
         self.now = last
 
-    def act(self, frames: int, do: Callable[[Actor, Frames], None], room_m: float = ROOM_M) -> Frames:
+    def act(self, frames: int, do: Callable[[Person, Frames], None], room_m: float = ROOM_M) -> Frames:
         """Any act of a body on the spot that takes so many frames and so much room."""
         first, last = self.now, self.now + frames
         if last > LAST_FRAME:
             raise NoRoom("there is no time for another act")
-        self._steps.append(lambda a: do(a, (first, last)))
+        self._steps.append(lambda p: do(p, (first, last)))
         self.disc.radius_m[first : last + 1] = np.maximum(
             self.disc.radius_m[first : last + 1], room_m * self.k
         )
@@ -216,37 +218,37 @@ class Role:
     def wave(self, frames: int = 44) -> Frames:
         """Waves."""
         side = self.hand()
-        return self.act(frames, lambda a, f: a.wave(f, side=side), 0.42)
+        return self.act(frames, lambda p, f: p.wave(f, side=side), 0.42)
 
     def phone(self, frames: int = 40) -> Frames:
         """Takes a phone from the pocket and holds it to the ear."""
         side = self.hand()
         self.wait(28 if self.now > 0 else 0)
-        return self.act(frames, lambda a, f: a.phone(f, side=side))
+        return self.act(frames, lambda p, f: travellers.phone(p, f, side=side))
 
     def stretch(self, frames: int = 56) -> Frames:
         """Stretches with both arms over the head."""
         if self.held:
             raise NoRoom("no hand is free")
-        return self.act(frames, lambda a, f: a.stretch(f), 0.40)
+        return self.act(frames, lambda p, f: lifters.stretch(p, f), 0.40)
 
     def cheer(self, frames: int = 40) -> Frames:
         """Throws up both arms."""
         if self.held:
             raise NoRoom("no hand is free")
-        return self.act(frames, lambda a, f: a.cheer(f), 0.42)
+        return self.act(frames, lambda p, f: playing.cheer(p, f), 0.42)
 
     def crouch(self, frames: int = 44) -> Frames:
         """Goes down and comes up again."""
         if self.held:
             raise NoRoom("no hand is free")
-        return self.act(frames, lambda a, f: a.crouch(f, depth=1.2), 0.40)
+        return self.act(frames, lambda p, f: p.crouch_down(f, depth=1.2), 0.40)
 
     def bend_down(self, frames: int = 36) -> Frames:
         """Bends down and straightens up."""
         if self.held:
             raise NoRoom("no hand is free")
-        return self.act(frames, lambda a, f: a.bend_down(f, depth=0.9), 0.45)
+        return self.act(frames, lambda p, f: p.bend_down(f, depth=0.9), 0.45)
 
     def point_at(self, target: Callable[[], Prop], towards: Flat, frames: int = 40) -> Frames:
         """Points at something that stands still, from the hand on its side."""
@@ -257,15 +259,15 @@ class Role:
         if side not in self.free_hands:
             raise NoRoom("no hand is free")
 
-        def do(a: Actor, f: Frames) -> None:
+        def do(p: Person, f: Frames) -> None:
             prop = target()
-            a.point_out(prop.instance, middle_of(prop), f, side=side)
+            p.point_at(middle_of(prop), f, side=side, target=prop.instance)
 
         return self.act(frames, do, 0.5)
 
     def look(self, point: tuple[float, float, float], frames: Frames) -> None:
         """Looks at a point during an interval."""
-        self._steps.append(lambda a: a.look_at(point, frames))
+        self._steps.append(lambda p: p.look_at(point, frames))
 
     # ---- things ----------------------------------------------------------------------------------
 
@@ -275,7 +277,7 @@ class Role:
         where = ware.hold_of(item.look) if grip is None else grip
         item.holder = self
         self._steps.append(
-            lambda a: a.hold(
+            lambda p: p.hold(
                 item.prop.instance, where, side=side, bar=ware.bar, carry=ware.carry, clear_m=ware.clear_m
             )
         )
@@ -286,8 +288,8 @@ class Role:
         ware, side, first = item.ware, self._take(item, side), self.now
         grasp = first + round(0.46 * frames)
 
-        def do(a: Actor, f: Frames) -> None:
-            a.lift(
+        def do(p: Person, f: Frames) -> None:
+            p.lift(
                 item.prop.instance,
                 ware.grip_of(item.look),
                 f,
@@ -305,7 +307,7 @@ class Role:
         """Sets what it holds down beside its feet (before them, if both hands hold it)."""
         first, at = self.now, self.put_spot(item)
         release = first + round(0.55 * frames)
-        span = self.act(frames, lambda a, f: a.put_down(item.prop.instance, (*at, self.ground_m), f), 0.40)
+        span = self.act(frames, lambda p, f: p.put_down(item.prop.instance, (*at, self.ground_m), f), 0.40)
         self.disc_of(item, release, at)
         self.let_go(item)
         return span
@@ -358,15 +360,15 @@ class Role:
 
     # ---- the performance -------------------------------------------------------------------------
 
-    def do(self, step: Callable[[Actor], None]) -> None:
+    def do(self, step: Callable[[Person], None]) -> None:
         """Adds something to the performance that does not show on the plan."""
         self._steps.append(step)
 
     def perform(self, stage: Stage) -> None:
         """Lets the body do all of it."""
         for step in self._steps:
-            step(self.actor)
-        self.actor.finish()
+            step(self.person)
+        self.person.finish()
         for then in self.after:
             then()
 
@@ -379,9 +381,9 @@ def perform(stage: Stage, area: Area, roles: Sequence[Role], items: Sequence[Ite
         at = role.start or (float(role.disc.xy[0, 0]), float(role.disc.xy[0, 1]))
         ground = area.point(*at)[2]
         role.ground_m = ground
-        role.actor = hire(stage, role.figure, role.name, at, float(role.heading[0]), ground)
+        role.person = add_person(stage, role.figure, role.name, at, float(role.heading[0]), ground)
         for prop in role.touches:
-            stage.may_touch(role.actor.instance, prop)
+            stage.may_touch(role.person.instance, prop)
     for item in items:
         for step in item.before:
             step()

@@ -7,13 +7,13 @@ import random
 import numpy as np
 from mathutils import Euler, Matrix
 
-from ...motion.reading import Spread
+from ...motion import reading, sitting, travellers
+from ...motion.people import Person
 from ...scene.timeline import LAST_FRAME
 from ..areas import Area
 from ..errors import NoRoom
 from ..looks import Look
 from ..stage import Chair, Stage
-from .actors import Actor
 from .folk import Figure
 from .rehearsal import ahead
 from .roles import Role
@@ -63,19 +63,19 @@ def sit(rng: random.Random, figure: Figure, chair: Chair, gestures: tuple[str, .
         if gesture == "wave" and frames <= role.left:
             side = rng.choice("lr")
 
-            def wave(a: Actor, f: tuple[int, int], side: str = side) -> None:
-                a.wave_sitting(f, side=side)
+            def wave(p: Person, f: tuple[int, int], side: str = side) -> None:
+                sitting.wave_sitting(p, f, side=side)
 
             role.act(frames, wave, 0.40)
             role.wait(rng.randint(4, 12))
         elif gesture == "phone" and frames + 26 <= role.left:
             role.wait(26)
             last = LAST_FRAME if role.left - frames < 18 else role.now + frames
-            role.act(last - role.now, lambda a, f: a.phone(f, side="r"), 0.34)
+            role.act(last - role.now, lambda p, f: travellers.phone(p, f, side="r"), 0.34)
             if last < LAST_FRAME:
 
-                def sink(a: Actor, last: int = last) -> None:
-                    a.hand_on_knee("r", (last + 2, last + 16))
+                def sink(p: Person, last: int = last) -> None:
+                    sitting.hand_on_knee(p, "r", (last + 2, last + 16))
 
                 role.do(sink)
     role.now = LAST_FRAME
@@ -92,7 +92,7 @@ def read(rng: random.Random, stage: Stage, figure: Figure, chair: Chair, number:
         pages.append((second, second + 18))
     pages = [page for page in pages if page[1] <= LAST_FRAME - 8]
 
-    def do(a: Actor) -> None:
+    def do(p: Person) -> None:
         made = stage.scene.make("magazine", f"magazine_{number}", leaves=len(pages))
         prop = stage.register(
             "magazine",
@@ -107,10 +107,12 @@ def read(rng: random.Random, stage: Stage, figure: Figure, chair: Chair, number:
         tilt = Euler((0.75, 0.0, np.pi)).to_matrix().to_4x4()
         seat = Matrix.Translation(chair.seat) @ Matrix.Rotation(np.radians(chair.heading_deg), 4, "Z")
         k = figure.scale
-        spread = Spread(prop.instance, made, seat @ Matrix.Translation((0.0, -0.39 * k, 0.30 * k)) @ tilt)
-        a.hold_open(spread)
+        spread = reading.Spread(
+            prop.instance, made, seat @ Matrix.Translation((0.0, -0.39 * k, 0.30 * k)) @ tilt
+        )
+        reading.hold_open(p, spread)
         for leaf, page in enumerate(pages):
-            a.turn_page(spread, leaf, page)
+            reading.turn_page(p, spread, leaf, page)
         spread.finish()
 
     role.do(do)
@@ -137,7 +139,7 @@ def _seated(figure: Figure, chair: Chair) -> Role:
     role.disc.radius_m[:], role.disc.leaves_floor = 0.34, 0
     role.disc.height_m = chair.seat[2] + 0.80 * figure.scale
     role.start = feet
-    role.do(lambda a: a.sit_all_along(chair.seat))
+    role.do(lambda p: sitting.sit_all_along(p, chair.seat))
     return role
 
 
@@ -145,7 +147,7 @@ def _lower(role: Role, chair: Chair) -> None:
     first = role.now
     if role.left < 30:
         raise NoRoom("there is no time to sit down")
-    role.do(lambda a: a.sit(chair.seat, (first, LAST_FRAME)))
+    role.do(lambda p: p.sit(chair.seat, (first, LAST_FRAME)))
     role.disc.leaves_floor = min(role.disc.leaves_floor, first - 8)
     role.disc.xy[first + 16 :] = ahead(chair.seat[:2], chair.heading_deg, 0.5 * _FEET_M)
     role.now = LAST_FRAME

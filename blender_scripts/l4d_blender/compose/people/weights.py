@@ -7,17 +7,17 @@ import random
 import numpy as np
 
 from ...assets import gym_equipment
-from ...motion.lifters import OVERHAND
+from ...motion import lifters
+from ...motion.people import Person
 from ..areas import Area
 from ..errors import NoRoom
-from .actors import Actor
 from .errands import arriving
 from .folk import Figure
 from .rehearsal import ahead
 from .roles import Item, Role
 
 STEP_M = gym_equipment.STEP_TOP_M  # they lie on steps: no one curls from the floor
-_OVERHAND_DEG = float(np.degrees(OVERHAND))
+_OVERHAND_DEG = float(np.degrees(lifters.OVERHAND))
 
 
 def train(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int = 0) -> Role:
@@ -48,11 +48,11 @@ def train(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
     if curl[1] > 96:
         raise NoRoom("there is no time to curl")
 
-    def do(a: Actor, _: tuple[int, int]) -> None:
+    def do(p: Person, _: tuple[int, int]) -> None:
         bar_m = item.look.words["look"].bar_height_m
         rest = np.array(item.prop.instance.matrix(0))
-        a.train(
-            item.prop.instance, rest, bar_m, side=side, take=take, curl=curl, reps=reps, put_down=put_down
+        lifters.train(
+            p, item.prop.instance, rest, bar_m, side=side, take=take, curl=curl, reps=reps, put_down=put_down
         )
 
     role.act((curl if put_down is None else put_down)[1] - first, do, 0.42)

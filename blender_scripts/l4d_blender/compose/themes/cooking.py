@@ -6,11 +6,13 @@ import random
 from math import hypot
 from typing import TYPE_CHECKING
 
+from ...motion import travellers
+from ...motion.people import Person
 from ...scene.timeline import LAST_FRAME
 from ..areas import Area, Flat
 from ..errors import Rejected
 from ..people import cookery, folk
-from ..people.actors import Actor, hire
+from ..people.bodies import add_person
 from . import theme
 
 if TYPE_CHECKING:
@@ -40,7 +42,7 @@ def cooking(stage: Stage) -> None:
             )
         )
     block = [prop for prop in stage.landmarks if counter.margin(prop.at) > 0.1 and prop.height_m > 0.7]
-    cooks = [hire(stage, figure, figure.name, (x, y), 0.0) for figure, x in zip(figures, xs)]
+    cooks = [add_person(stage, figure, figure.name, (x, y), 0.0) for figure, x in zip(figures, xs)]
     for k, (cook, deed, x) in enumerate(zip(cooks, deeds, xs)):
         if deed == "stir":
             cookery.stir(rng, stage, cook, x, pots[k], None, top_m)
@@ -78,8 +80,8 @@ def _row(
     raise Rejected("a pot finds no room on the counter")
 
 
-def _wait(rng: random.Random, cook: Actor) -> None:
+def _wait(rng: random.Random, cook: Person) -> None:
     """Stands by; telephones for a while."""
     first = rng.randint(44, 60)
     cook.stand((0, first - 28))
-    cook.phone((first, min(first + rng.randint(26, 40), LAST_FRAME)), side=rng.choice("lr"))
+    travellers.phone(cook, (first, min(first + rng.randint(26, 40), LAST_FRAME)), side=rng.choice("lr"))

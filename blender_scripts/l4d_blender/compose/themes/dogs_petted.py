@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import ceil, hypot
 from typing import TYPE_CHECKING
 
+from ...motion import travellers
 from ...scene.timeline import LAST_FRAME
 from .. import looks
 from ..animals import bodies, ways
@@ -14,7 +15,7 @@ from ..animals.ways import Way, ahead
 from ..areas import Flat, heading_to
 from ..errors import NoRoom
 from ..people import folk
-from ..people.actors import hire
+from ..people.bodies import add_person
 from . import theme
 
 if TYPE_CHECKING:
@@ -79,31 +80,31 @@ def dogs_petted(stage: Stage) -> None:
 def _visit(stage: Stage, figure: folk.Figure, part: Part, visit: _Visit, dogs: list[Dog]) -> None:
     """Builds somebody and lets them come, stroke and stand."""
     area, rng = stage.area("lawn"), stage.rng(f"dogs petted/{figure.name}")
-    actor = hire(stage, figure, figure.name, part.at, part.heading_deg, area.point(*part.at)[2])
+    person = add_person(stage, figure, figure.name, part.at, part.heading_deg, area.point(*part.at)[2])
     done = 0
     if visit.dog is not None and visit.pet is not None:
         dog, side = dogs[visit.dog], "r"
         crown = dog.crown(visit.pet[0])
         if visit.come is not None:
-            spot = actor.reach_spot(crown, visit.facing_deg, side=side)
-            actor.walk_to(spot, visit.come, facing_deg=visit.facing_deg)
+            spot = person.reach_spot(crown, visit.facing_deg, side=side)
+            person.walk_to(spot, visit.come, facing_deg=visit.facing_deg)
         elif visit.pet[0] >= 15:
-            actor.stand((0, visit.pet[0]))
-        actor.pet(dog.instance, crown, visit.pet, side=side)
-        actor.look_at(dog.instance, (visit.pet[1], LAST_FRAME))
-        stage.may_touch(actor.instance, dog.instance)
+            person.stand((0, visit.pet[0]))
+        person.pet(dog.instance, crown, visit.pet, side=side)
+        person.look_at(dog.instance, (visit.pet[1], LAST_FRAME))
+        stage.may_touch(person.instance, dog.instance)
         done = visit.pet[1]
         if LAST_FRAME - done >= 16:
-            actor.stand((done, LAST_FRAME))
+            person.stand((done, LAST_FRAME))
     elif rng.random() < 0.5:
         first = rng.randint(20, 40)
-        actor.stand((0, first))
-        actor.wave((first, first + rng.randint(36, 44)))
+        person.stand((0, first))
+        person.wave((first, first + rng.randint(36, 44)))
     else:
         first = rng.randint(30, 50)
-        actor.stand((0, first - 14))
-        actor.phone((first, min(first + rng.randint(28, 40), LAST_FRAME)))
-    stage.perform(actor)
+        person.stand((0, first - 14))
+        travellers.phone(person, (first, min(first + rng.randint(28, 40), LAST_FRAME)))
+    stage.perform(person)
 
 
 class _Planner(Planner):

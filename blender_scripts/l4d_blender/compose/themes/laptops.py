@@ -5,11 +5,13 @@ from __future__ import annotations
 import random
 from typing import TYPE_CHECKING
 
+from ...motion import travellers
+from ...motion.people import Person
 from ...scene.timeline import LAST_FRAME
 from ..areas import Area, Flat
 from ..errors import Rejected
 from ..people import deskwork, folk
-from ..people.actors import Actor, hire
+from ..people.bodies import add_person
 from . import theme
 
 if TYPE_CHECKING:
@@ -53,30 +55,30 @@ def laptops(stage: Stage) -> None:
         for n, (look, at, deed) in enumerate(zip(deskwork.draw_laptops(rng, 3), spots, deeds), 1)
     ]
     for figure, x, deed, computer in zip(figures, xs, deeds, computers):
-        actor = hire(stage, figure, figure.name, (x, y), 0.0)
-        _work(rng, stage, actor, deed, computer, top_m)
-        actor.finish()
+        person = add_person(stage, figure, figure.name, (x, y), 0.0)
+        _work(rng, stage, person, deed, computer, top_m)
+        person.finish()
     for computer in computers:
         computer.finish()
     stage.tell("Three people stand at laptops: they open them, type, drink or telephone.")
 
 
 def _work(
-    rng: random.Random, stage: Stage, actor: Actor, deed: str, computer: deskwork.Computer, top_m: float
+    rng: random.Random, stage: Stage, person: Person, deed: str, computer: deskwork.Computer, top_m: float
 ) -> None:
     """What one of them does."""
     if deed == "open":
-        deskwork.open_and_type(rng, actor, computer, top_m)
+        deskwork.open_and_type(rng, person, computer, top_m)
     elif deed == "phone":
         first = rng.randint(34, 60)
-        actor.stand((0, first - 18))
-        actor.phone((first, min(first + rng.randint(26, 40), LAST_FRAME)), side=rng.choice("lr"))
+        person.stand((0, first - 18))
+        travellers.phone(person, (first, min(first + rng.randint(26, 40), LAST_FRAME)), side=rng.choice("lr"))
     elif deed == "drink":
-        deskwork.drink(rng, stage, actor, "mug", top_m, rng.randint(2, 30))
+        deskwork.drink(rng, stage, person, "mug", top_m, rng.randint(2, 30))
     else:
-        done = deskwork.type_a_while(rng, actor, computer, top_m)
+        done = deskwork.type_a_while(rng, person, computer, top_m)
         if "drink" in deed and done < LAST_FRAME - 42:
-            deskwork.drink(rng, stage, actor, "mug", top_m, done)
+            deskwork.drink(rng, stage, person, "mug", top_m, done)
 
 
 def _row(
