@@ -21,6 +21,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "workflow/tests"))
 
 from cluster import Cluster, lacks
+from conftest import command_line
 
 SCENES = "tabletop_tea,tabletop_blocks,room_office,room_gym,outdoor_park_cats,outdoor_street_cars"
 TASKS = 8
@@ -48,10 +49,7 @@ def bare(l4d, scenes, folder):
 
 def workflow(l4d, scenes, folder):
     names = scenes.split(",")
-    command = [sys.executable, "-m", "snakemake"]
-    command += [f"{folder}/work/tiny/workflow/check/{name}.json" for name in names]
-    command += ["--snakefile", ROOT / "workflow/Snakefile", "--cores", 2, "--directory", folder]
-    command += ["--rerun-triggers", "mtime", "input"]
+    checks = [folder / f"work/tiny/workflow/check/{name}.json" for name in names]
     settings = {
         "l4d": l4d,
         "profile": "tiny",
@@ -62,7 +60,7 @@ def workflow(l4d, scenes, folder):
         "work": folder / "work",
         "python": next((ROOT / "work/blender-env").glob("*/bin/python")),
     }
-    return seconds([*command, "--config", *(f"{name}={value}" for name, value in settings.items())])
+    return seconds(command_line(*checks, "--cores", 2, "--directory", folder, **settings))
 
 
 def nodes(count, l4d, scene, folder):

@@ -53,8 +53,8 @@ def grip(
 ) -> None:
     """Holds `thing` from frame `first` to `last` while it follows `path`; from 0 on it is in the hand.
 
-    `path` has a 4x4 matrix per canonical frame; `finish` refuses a fist that is off it. `moves` is when the
-    thing slides over what it stands on, `puts_down` when it is set down.
+    `path` has a 4x4 matrix per canonical frame; `finish` refuses a fist that is off it. During `moves`
+    the thing slides over what it stands on, during `puts_down` it is set down.
     """
     first, last = frames
     points = path[:, :3, :3] @ np.array(how.point) + path[:, :3, 3]

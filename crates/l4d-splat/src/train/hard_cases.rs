@@ -4,12 +4,11 @@
 //! All worlds have a wall at z = 4 m and a floor at y = 0.8 m (y points down), and cameras that look along z.
 
 use glam::DVec3;
-use half::f16;
-use l4d_data::{Camera, Name, Timeline};
+use l4d_data::Camera;
 
 use super::quality::{Quality, Region, measure};
-use super::test_world::grain;
-use super::views::{Picture, TrainingViews};
+use super::test_world::{camera_at, grain, taken};
+use super::views::TrainingViews;
 use super::{InitialPoints, Motion, Settings, Stage, Trainer};
 use crate::raster::Cpu;
 
@@ -81,27 +80,16 @@ type World = dyn Fn(&Ray, usize) -> Hit + Sync;
 
 /// What cameras at such places see, each with its own factor of exposure.
 fn seen(world: &World, places_m: &[[f64; 2]], exposures: &[f64]) -> TrainingViews {
-    let frames = (0..MOMENTS).map(|moment| (moment * 96 / (MOMENTS - 1)) as u32).collect();
-    let mut views = TrainingViews::new(SIZE, frames, Timeline::CANONICAL).unwrap();
-    for (index, [x, y]) in places_m.iter().enumerate() {
-        let from = DVec3::new(*x, *y, 0.0);
-        let name = Name::new(format!("cam{index:02}")).unwrap();
-        let camera = Camera::new(name, SIZE, FOCAL_PX, glam::DMat4::from_translation(from));
-        let exposure = exposures.get(index).copied().unwrap_or(1.0);
-        let picture = |moment| {
-            let mut picture = Picture::default();
-            for pixel in 0..SIZE[0] * SIZE[1] {
-                let at = glam::DVec2::new(f64::from(pixel % SIZE[0]), f64::from(pixel / SIZE[0])) + 0.5;
-                let ray = Ray { from, along: camera.unproject(0, at, 1.0) - from };
-                let (depth_m, colour) = world(&ray, moment);
-                picture.depth_m.push(f16::from_f64(depth_m));
-                picture.colour.push(colour.map(|value| (255.0 * exposure * value) as u8));
-            }
-            picture
-        };
-        views.add(&camera, SIZE, (0..MOMENTS).map(picture).collect()).unwrap();
-    }
-    views
+    let places: Vec<DVec3> = places_m.iter().map(|[x, y]| DVec3::new(*x, *y, 0.0)).collect();
+    let cameras: Vec<Camera> =
+        places.iter().enumerate().map(|(index, from)| camera_at(index, *from, SIZE, FOCAL_PX)).collect();
+    taken(&cameras, SIZE, MOMENTS, |camera, at, moment| {
+        let from = places[camera];
+        let ray = Ray { from, along: cameras[camera].unproject(0, at, 1.0) - from };
+        let (depth_m, colour) = world(&ray, moment);
+        let exposure = exposures.get(camera).copied().unwrap_or(1.0);
+        (depth_m, colour.map(|value| (255.0 * exposure * value) as u8))
+    })
 }
 
 fn settings() -> Settings {
