@@ -75,6 +75,8 @@ fn an_independent_evaluator_agrees_to_the_last_pixel() {
 #[test]
 fn an_installed_program_finds_what_came_with_it() {
     let place = installed();
+    // What a build would write there: as if no picture of this size had been drawn yet.
+    place.remove("share/l4d/benchmark/truth/full/room_kitchen.json");
     let program = place.path("bin").join(format!("l4d{EXE_SUFFIX}"));
     let shipped = place.tree("share");
     let empty = Dir::new();
