@@ -9,7 +9,7 @@ import time
 import pytest
 from conftest import DEV, ROOT, job_counts, snakemake
 
-ENDS = {"baselines": 1, "answers": 1, "score": 1, "leaderboard": 1, "all": 1}
+ONCE = {"blender": 1, "baselines": 1, "answers": 1, "score": 1, "leaderboard": 1, "all": 1}
 
 
 def dry(folder, *options, **config):
@@ -20,7 +20,12 @@ def dry(folder, *options, **config):
 def test_the_graph_of_dev(tmp_path):
     counts = job_counts(dry(tmp_path, bench=DEV, profile="tiny", render_blocks=3, solve_blocks=2))
     each = dict(plan=12, render=36, settle=12, check=12, train=12, solve=24)
-    assert counts == {**each, **ENDS, "total": 12 * 9 + 5}
+    assert counts == {**each, **ONCE, "total": 12 * 9 + 6}
+
+
+def test_a_scene_of_one_block_is_planned_rendered_and_settled_by_one_job(tmp_path):
+    counts = job_counts(dry(tmp_path, bench=DEV, profile="tiny"))
+    assert counts == {**dict(render=12, check=12, train=12, solve=12), **ONCE, "total": 12 * 4 + 6}
 
 
 def test_scenes_can_be_chosen_and_begun_in_the_middle(tmp_path):
@@ -42,7 +47,7 @@ def test_more_than_400_jobs_are_planned_in_20_seconds(tmp_path):
     counts = job_counts(dry(tmp_path, bench=ROOT / "benchmark", profile="small", render_blocks=8, solve_blocks=8))
     seconds = time.monotonic() - before
     print(f"{counts['total']} jobs planned in {seconds:.1f} s")
-    assert counts["total"] == 21 * (1 + 8 + 1 + 1 + 1 + 8) + 5 > 400
+    assert counts["total"] == 21 * (1 + 8 + 1 + 1 + 1 + 8) + 6 > 400
     assert seconds < 20
 
 
@@ -58,7 +63,7 @@ def test_training_data_come_in_blocks_of_seeds(tmp_path):
 def test_kubernetes_is_planned_with_signs_in_place_of_files(tmp_path):
     # Planned only: there is no cluster.
     counts = job_counts(dry(tmp_path, engine="kubernetes", bench=DEV, profile="tiny", work=tmp_path / "work"))
-    assert counts["total"] == 12 * 6 + 5
+    assert counts["total"] == 12 * 4 + 6
 
 
 @pytest.mark.parametrize("engine", ["slurm", "local", "kubernetes"])

@@ -5,10 +5,12 @@ use l4d_data::Profile;
 use crate::Result;
 use crate::sizes::{CORES, Size};
 
-/// Jobs beside those of scenes: answers, baselines, score, leaderboard.
-const FINAL_JOBS: usize = 4;
-/// Jobs of a scene that only look or list: plan, settle, check.
-const SMALL_JOBS: usize = 3;
+/// Jobs beside those of scenes: blender, answers, baselines, score, leaderboard.
+const COMMON_JOBS: usize = 5;
+/// Jobs of a scene that only look or list: check, and plan and settle where several jobs share its pictures.
+const fn small_jobs(render_blocks: usize) -> usize {
+    if render_blocks == 1 { 1 } else { 3 }
+}
 
 /// What is to be made, and how it is cut up.
 #[derive(Debug)]
@@ -99,7 +101,9 @@ impl Estimate {
                 is_guessed: size.is_guessed("query"),
             },
         ];
-        let jobs = stages.iter().map(|stage| stage.jobs).sum::<usize>() + scenes * SMALL_JOBS + FINAL_JOBS;
+        let jobs = stages.iter().map(|stage| stage.jobs).sum::<usize>()
+            + scenes * small_jobs(render_blocks)
+            + COMMON_JOBS;
         Ok(Self { profile, scenes, render_blocks, solve_blocks, stages, jobs })
     }
 
@@ -127,7 +131,7 @@ impl Estimate {
                 figures(gigabytes)
             ),
             format!(
-                "{small} of the jobs plan, settle, check, score and list: minutes each, which are not counted. \
+                "{small} of the jobs only plan, settle, check, score or list: minutes each, which are not counted. \
                  Minutes and hours are those of {CORES} cores a job."
             ),
         ];
@@ -208,7 +212,7 @@ mod tests {
     #[test]
     fn a_longer_time_than_everything_takes_is_one_job() {
         let estimate = Estimate::new(Profile::Tiny, &[5], 30).unwrap();
-        assert_eq!((estimate.render_blocks, estimate.solve_blocks, estimate.jobs), (1, 1, 10));
+        assert_eq!((estimate.render_blocks, estimate.solve_blocks, estimate.jobs), (1, 1, 9));
         assert_eq!(blocks(0, 3.0), 1);
         assert_eq!(blocks(7, 0.2), 7);
         assert_eq!(blocks(97, 3.4), 33);
