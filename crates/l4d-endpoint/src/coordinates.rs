@@ -190,26 +190,6 @@ pub struct WrittenBox {
     pub numbers: [f64; 4],
 }
 
-/// All boxes in a document, in reading order, however they are wrapped: lists of objects with a field of four
-/// numbers (or the same as two corners, or as four named fields).
-pub fn written_boxes(document: &Value) -> Vec<WrittenBox> {
-    let mut boxes = Vec::new();
-    gather(document, &mut boxes);
-    boxes
-}
-
-fn gather(value: &Value, boxes: &mut Vec<WrittenBox>) {
-    if let Some(found) = WrittenBox::of(value) {
-        boxes.push(found);
-        return;
-    }
-    match value {
-        Value::Array(items) => items.iter().for_each(|item| gather(item, boxes)),
-        Value::Object(fields) => fields.values().for_each(|field| gather(field, boxes)),
-        _ => {}
-    }
-}
-
 impl WrittenBox {
     /// The box that an object is, if it is one: by a field of four numbers, two corners or four named sides.
     pub fn of(value: &Value) -> Option<Self> {
@@ -325,18 +305,21 @@ mod tests {
     }
 
     #[test]
-    fn boxes_are_found_in_every_wrapping() {
-        let document = json!({"detections": [
-            {"bbox_2d": [1, 2, 3, 4], "label": "red"},
-            {"box": {"x_min": 5, "y_min": 6, "x_max": 7, "y_max": 8}, "color": "blue"},
-            {"bbox": [[9, 10], [11, 12]]},
-            {"x1": 1, "y1": 1, "x2": 2, "y2": 2, "name": "green"},
-            {"bbox_2d": [1, 2, 3]}, {"bbox_2d": ["a", 2, 3, 4]}, 7
-        ]});
-        let boxes = written_boxes(&document);
-        let labels: Vec<Option<&str>> = boxes.iter().map(|found| found.label.as_deref()).collect();
-        assert_eq!(labels, [Some("red"), Some("blue"), None, Some("green")]);
-        assert_eq!(boxes[2].numbers, [9.0, 10.0, 11.0, 12.0]);
+    fn a_box_has_four_numbers_in_any_of_their_forms() {
+        let found =
+            |value| WrittenBox::of(&value).map(|found| (found.label.unwrap_or_default(), found.numbers));
+        let named = json!({"box": {"x_min": 5, "y_min": 6, "x_max": 7, "y_max": 8}, "color": "blue"});
+        for (value, label, numbers) in [
+            (json!({"bbox_2d": [1, 2, 3, 4], "label": "red"}), "red", [1.0, 2.0, 3.0, 4.0]),
+            (named, "blue", [5.0, 6.0, 7.0, 8.0]),
+            (json!({"bbox": [[9, 10], [11, 12]]}), "", [9.0, 10.0, 11.0, 12.0]),
+            (json!({"x1": 1, "y1": 1, "x2": 2, "y2": 2, "name": "green"}), "green", [1.0, 1.0, 2.0, 2.0]),
+        ] {
+            assert_eq!(found(value), Some((label.to_owned(), numbers)));
+        }
+        for nothing in [json!({"bbox_2d": [1, 2, 3]}), json!({"bbox_2d": ["a", 2, 3, 4]}), json!(7)] {
+            assert_eq!(found(nothing), None);
+        }
     }
 
     proptest! {
