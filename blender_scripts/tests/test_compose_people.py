@@ -9,6 +9,7 @@ from itertools import combinations
 import bpy  # noqa: F401, it brings mathutils
 import numpy as np
 import pytest
+from conftest import first_of
 
 from l4d_blender.compose import build, checks
 from l4d_blender.compose.areas import Area
@@ -151,7 +152,10 @@ def test_every_theme_tells_what_it_may_cast() -> None:
         assert len(theme.verbs) >= 6
 
 
-@pytest.fixture(scope="module", params=[("room", "carriers_indoors"), ("outdoor", "carriers_outdoors")])
+CARRIERS = [("room", "carriers_indoors"), ("outdoor", "carriers_outdoors")]
+
+
+@pytest.fixture(scope="module", params=first_of(CARRIERS))
 def played(request):
     scale, theme = request.param
     if theme not in {t.name for t, _ in build.settings(scale)}:

@@ -85,6 +85,7 @@ def test_hands_move_twins_and_others(theme: str) -> None:
     assert any(p.name not in acted for p in stage.objects)
 
 
+@pytest.mark.slow
 def test_the_same_seed_moves_the_same_things() -> None:
     told = []
     for _ in range(2):
