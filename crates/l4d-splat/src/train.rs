@@ -20,6 +20,7 @@ mod points;
 mod quality;
 mod scene_stats;
 mod settings;
+mod ssim;
 mod state;
 mod stereo;
 #[cfg(test)]
@@ -41,8 +42,8 @@ pub(crate) use motion::Motion;
 #[cfg(test)]
 pub(crate) use motion::background_errors;
 pub(crate) use quality::{Quality, Region, decibels, measure};
-pub use settings::Settings;
 pub(crate) use settings::Stage;
+pub use settings::{Preset, Settings};
 pub(crate) use trainer::Trainer;
 pub(crate) use views::{Picture, TrainingViews};
 

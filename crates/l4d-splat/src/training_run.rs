@@ -25,8 +25,8 @@ use self::pictures::PictureSource;
 use self::report::Report;
 use crate::checkpoint::own::Sampling;
 use crate::raster::Rasterizer;
-pub use crate::train::Settings;
 use crate::train::{InitialPoints, Quality, Stage, Trainer, measure, read_points};
+pub use crate::train::{Preset, Settings};
 
 type Result<T, E = StageError> = std::result::Result<T, E>;
 

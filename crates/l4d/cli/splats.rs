@@ -9,6 +9,7 @@ use l4d_solve::clips::{DepthFormat, DepthKind};
 use l4d_splat::ShDegree;
 use l4d_splat::source::ReaderOptions;
 use l4d_splat::speed::Sweep;
+use l4d_splat::training_run::Preset;
 
 use super::solver::{BenchLiftArgs, MethodArgs, WorkArgs};
 use super::{number, one_of};
@@ -42,6 +43,10 @@ pub(crate) struct TrainSplatsArgs {
     /// Train on every N-th moment of a capture
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) every: u32,
+    /// Whose schedule and learning rates: ours, or those that 4DGaussians published for DyNeRF, which take an hour and more
+    /// here; the options below change either
+    #[arg(long, default_value = "l4d", value_parser = one_of::<Preset>(["l4d", "4dgaussians"]))]
+    pub(crate) preset: Preset,
     /// Most Gaussians; default: 5000 (tiny), 18000 (small), 40000 (real), 60000 (full)
     #[arg(long, value_name = "N")]
     pub(crate) gaussians: Option<usize>,

@@ -60,7 +60,7 @@ fn refuse_misspelt(scene: &str, bench: &Path) -> Result<()> {
 }
 
 fn settings(args: &TrainSplatsArgs) -> Settings {
-    let default = Settings::of_profile(args.profile);
+    let default = Settings::of(args.preset, args.profile);
     Settings {
         seed: args.seed,
         gaussians: args.gaussians.unwrap_or(default.gaussians),

@@ -7,6 +7,7 @@ use crate::model::Model;
 use crate::raster::{RasterSettings, Rasterizer};
 
 use super::TrainError;
+use super::ssim::ssim;
 use super::views::TrainingViews;
 
 /// What of a picture is looked at more closely, row-major.
@@ -24,6 +25,8 @@ pub(crate) struct Quality {
     pub(crate) pictures: usize,
     /// Mean over pictures of the peak signal-to-noise ratio of display colour, dB.
     pub(crate) psnr_db: f64,
+    /// Mean over pictures of their structural similarity; none for pictures of fewer than 11 pixels a side.
+    pub(crate) ssim: Option<f64>,
     /// The ratio over all moving pixels of all pictures; none if nothing moves.
     pub(crate) psnr_moving_db: Option<f64>,
     /// Median over all pixels in which depth counts of the absolute error of the median depth, metres; a pixel that
@@ -33,6 +36,7 @@ pub(crate) struct Quality {
 
 struct Errors {
     psnr_db: f64,
+    ssim: Option<f64>,
     moving: (f64, usize),
     depth_m: Vec<f32>,
 }
@@ -74,9 +78,12 @@ pub(crate) fn measure(
     let mut depth_m: Vec<f32> = errors.iter().flat_map(|errors| errors.depth_m.iter().copied()).collect();
     let middle = depth_m.len() / 2;
     let median_m = (!depth_m.is_empty()).then(|| *depth_m.select_nth_unstable_by(middle, f32::total_cmp).1);
+    let mean = |sum: f64| sum / errors.len().max(1) as f64;
+    let ssim: Option<f64> = errors.iter().map(|errors| errors.ssim).sum();
     Ok(Quality {
         pictures: errors.len(),
-        psnr_db: errors.iter().map(|errors| errors.psnr_db).sum::<f64>() / errors.len().max(1) as f64,
+        psnr_db: mean(errors.iter().map(|errors| errors.psnr_db).sum()),
+        ssim: ssim.filter(|_| !errors.is_empty()).map(mean),
         psnr_moving_db: (count > 0).then(|| decibels(squares / count as f64)),
         depth_error_m: median_m.filter(|error_m| error_m.is_finite()).map(f64::from),
     })
@@ -90,12 +97,14 @@ fn compare(
     region: &Region,
 ) -> Errors {
     let picture = views.cameras()[camera].picture(moment);
+    let drawn: Vec<[f32; 3]> =
+        colour.iter().map(|colour| colour.map(|value| value.clamp(0.0, 1.0))).collect();
+    let seen: Vec<[f32; 3]> = (0..colour.len()).map(|pixel| picture.colour_of(pixel)).collect();
     let (mut squares, mut moving) = (0.0, (0.0, 0));
-    for (pixel, drawn) in colour.iter().enumerate() {
-        let square = std::iter::zip(drawn, picture.colour_of(pixel))
-            .map(|(drawn, seen)| f64::from(drawn.clamp(0.0, 1.0) - seen).powi(2))
-            .sum::<f64>()
-            / 3.0;
+    for (pixel, (drawn, seen)) in std::iter::zip(&drawn, &seen).enumerate() {
+        let square =
+            std::iter::zip(drawn, seen).map(|(drawn, seen)| f64::from(drawn - seen).powi(2)).sum::<f64>()
+                / 3.0;
         squares += square;
         if region.moving.get(pixel) == Some(&true) {
             moving.0 += square;
@@ -107,7 +116,13 @@ fn compare(
         .filter(|(pixel, (_, seen))| region.depth.get(*pixel) == Some(&true) && seen.is_finite())
         .map(|(_, (drawn, seen))| (drawn - seen.to_f32()).abs())
         .collect();
-    Errors { psnr_db: decibels(squares / colour.len().max(1) as f64), moving, depth_m }
+    let [width, _] = views.size();
+    Errors {
+        psnr_db: decibels(squares / colour.len().max(1) as f64),
+        ssim: ssim(&drawn, &seen, width as usize),
+        moving,
+        depth_m,
+    }
 }
 
 /// Peak signal-to-noise ratio of a mean squared error of values from 0 to 1; equal pictures count as 100 dB.

@@ -2,15 +2,36 @@
 //! itself.
 
 use l4d_data::Profile;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::deform::{DeformConfig, TimeAxis};
 use crate::gaussians::ShDegree;
 use crate::optimise::{LearningRate, OptimiseError};
 
+/// Whose schedule and learning rates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Preset {
+    /// Static and dynamic parts learn apart, and the clip is unfolded from one moment.
+    #[default]
+    #[serde(rename = "l4d")]
+    L4d,
+    /// What 4DGaussians published for DyNeRF: everything goes through the field from the first fine iteration on.
+    #[serde(rename = "4dgaussians")]
+    FourDGaussians,
+}
+
+impl Preset {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// Everything that a result depends on besides pictures and initial points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Settings {
+    /// Learning rates.
+    #[serde(skip_serializing_if = "Preset::is_default")]
+    pub preset: Preset,
     /// Seed of everything random.
     pub seed: u64,
     /// Most Gaussians that the model may have.
@@ -44,6 +65,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            preset: Preset::L4d,
             seed: 0,
             gaussians: 18_000,
             sh_degree: 1,
@@ -130,8 +152,30 @@ impl Schedule {
 }
 
 impl Settings {
-    /// Defaults for the pictures of a profile.
-    pub fn of_profile(profile: Profile) -> Self {
+    /// A preset's settings for the pictures of a profile.
+    pub fn of(preset: Preset, profile: Profile) -> Self {
+        let ours = Self::of_profile(profile);
+        match preset {
+            Preset::L4d => ours,
+            // As many Gaussians as ours: 4DGaussians stops adding some at 360 000, whatever the pictures.
+            Preset::FourDGaussians => Self {
+                preset,
+                sh_degree: 3,
+                dynamic_threshold: 0.0,
+                coarse: 3000,
+                unfold: 0,
+                fine: 14_000,
+                views: 4,
+                patience: 0,
+                channels: 16,
+                resolution: 64,
+                width: 128,
+                ..ours
+            },
+        }
+    }
+
+    fn of_profile(profile: Profile) -> Self {
         let small = Self::default();
         match profile {
             Profile::Tiny => Self { gaussians: 5000, coarse: 400, unfold: 30, fine: 1000, ..small },
@@ -165,10 +209,24 @@ impl Settings {
         }
     }
 
-    /// Learning rates that fall over `steps` iterations. Those of Gaussians are from 4DGaussians; those of the
-    /// deformation field are higher, because it has fewer iterations here.
+    /// Learning rates that fall over `steps` iterations; those that 4DGaussians published fall over its own number.
+    /// Ours of Gaussians are near these; of the deformation field they are higher, because it has fewer iterations.
     pub(super) fn rates(&self, extent_m: f64, steps: u64) -> Result<Rates, OptimiseError> {
-        let falling = |first: f64, last: f64| LearningRate::log_linear(first, last, steps.max(1));
+        let steps = if self.preset == Preset::FourDGaussians { 20_000 } else { steps.max(1) };
+        let falling = |first: f64, last: f64| LearningRate::log_linear(first, last, steps);
+        if self.preset == Preset::FourDGaussians {
+            return Ok(Rates {
+                gaussians: [
+                    falling(1.6e-4 * extent_m, 1.6e-6 * extent_m)?,
+                    LearningRate::constant(5.0e-3)?,
+                    LearningRate::constant(1.0e-3)?,
+                    LearningRate::constant(5.0e-2)?,
+                    LearningRate::constant(2.5e-3)?,
+                ],
+                layers: falling(1.6e-4 * extent_m, 1.6e-5 * extent_m)?,
+                planes: falling(1.6e-3 * extent_m, 1.6e-4 * extent_m)?,
+            });
+        }
         Ok(Rates {
             gaussians: [
                 falling(1.6e-4 * extent_m, 3.2e-6 * extent_m)?,

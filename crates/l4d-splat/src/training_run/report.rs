@@ -63,12 +63,13 @@ pub(super) fn table(manifest: &Value) -> String {
     let show = |path: &str, factor: f64, digits: usize| {
         number(path).map_or_else(|| "-".to_owned(), |value| format!("{:.digits$}", value * factor))
     };
-    let mut lines = vec!["views     pictures  PSNR dB  moving dB  depth error mm".to_owned()];
+    let mut lines = vec!["views     pictures  PSNR dB   SSIM  moving dB  depth error mm".to_owned()];
     for (name, path) in [("training", "/report/train"), ("held out", "/report/test")] {
         lines.push(format!(
-            "{name:8}  {:>8}  {:>7}  {:>9}  {:>14}",
+            "{name:8}  {:>8}  {:>7}  {:>5}  {:>9}  {:>14}",
             show(&format!("{path}/pictures"), 1.0, 0),
             show(&format!("{path}/psnr_db"), 1.0, 2),
+            show(&format!("{path}/ssim"), 1.0, 3),
             show(&format!("{path}/psnr_moving_db"), 1.0, 2),
             show(&format!("{path}/depth_error_m"), 1e3, 1),
         ));

@@ -10,7 +10,7 @@ use l4d_data::{Name, Silent};
 
 use super::*;
 use crate::raster::Cpu;
-use crate::train::background_errors;
+use crate::train::{Preset, background_errors};
 
 fn with_request<T>(sees_depth: bool, folder: PathBuf, act: impl FnOnce(&TrainingRequest<'_>) -> T) -> T {
     let path = PathBuf::from(std::env::var_os("L4D_SCENE").unwrap());
@@ -22,7 +22,7 @@ fn with_request<T>(sees_depth: bool, folder: PathBuf, act: impl FnOnce(&Training
         profile,
         dir: &dir,
         folder,
-        settings: Settings::of_profile(profile),
+        settings: Settings::of(Preset::default(), profile),
         sees_depth,
         points: None,
         sampling: Sampling { shrink: 1, every: 1 },

@@ -35,8 +35,8 @@ const ALWAYS: &[(&str, &str)] = &[
     ("verdict", "rounds bench check json"),
     (
         "train-splats",
-        "profile bench data work out points gaussians sh_degree dynamic_threshold coarse unfold fine views_per_iteration \
-         patience seed checkpoint_seconds adapter force json",
+        "profile bench data work out points preset gaussians sh_degree dynamic_threshold coarse unfold fine \
+         views_per_iteration patience seed checkpoint_seconds adapter force json",
     ),
     (
         "render-splats",
