@@ -9,7 +9,7 @@ use l4d_data::{Benchmark, Profile, Report};
 use l4d_masks::{Mask, png};
 use l4d_score::averages::Breakdown;
 use l4d_score::score::tallies_of_counts;
-use l4d_score::{Exam, Options, QuerySet, Summary};
+use l4d_score::{EvalSet, Options, QuerySet, Summary};
 use serde_json::{Map, Value, json};
 
 use crate::support::{Dir, Noise, QUERIES, Run, SCENES, named, root};
@@ -110,11 +110,12 @@ fn the_table_fits_100_columns() {
 fn scores_follow_from_counts_alone() {
     let (dir, _) = &*SCORED;
     let bench = Benchmark::open(dir.path("benchmark")).unwrap();
-    let exam = Exam::open(bench, Profile::Tiny, QuerySet::Queries, &[], &mut Report::default()).unwrap();
+    let eval_set =
+        EvalSet::open(bench, Profile::Tiny, QuerySet::Queries, &[], &mut Report::default()).unwrap();
     for name in BASELINES {
         let counts = l4d_score::counts::read(&dir.path(format!("scores/{name}/counts.csv"))).unwrap();
         assert_eq!(counts.len(), 8 * 9, "{name}");
-        let tallies = tallies_of_counts(&counts, &exam, &Options::default());
+        let tallies = tallies_of_counts(&counts, &eval_set, &Options::default());
         let summary = Summary::read(&dir.path(format!("scores/{name}/summary.json"))).unwrap();
         assert_eq!(Breakdown::of(&tallies), summary.scores, "{name}");
     }

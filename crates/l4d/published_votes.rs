@@ -10,7 +10,7 @@ use l4d_release::votes::Round;
 use l4d_release::{Day, Votes};
 use l4d_votes::Outcome;
 use l4d_votes::measure;
-use l4d_votes::{Evidence, Judged};
+use l4d_votes::{Evidence, JudgedRound};
 
 use crate::out::refusal;
 
@@ -26,7 +26,7 @@ pub(crate) fn publication(date: &Day, url: &str, creators: &[String]) -> Result<
 pub(crate) fn votes_of_people(rounds: &Path, bench: &Benchmark) -> Result<Votes> {
     let mut votes = Votes::default();
     let mut evidence = Evidence::default();
-    for judged in Judged::read_all(rounds, bench)?.iter().filter(|judged| judged.counts()) {
+    for judged in JudgedRound::read_all(rounds, bench)?.iter().filter(|judged| judged.counts()) {
         evidence.add(judged);
         votes.rounds.push(facts(judged));
         votes.add_files(&format!("annotation/rounds/{}", judged.round.name), judged.dir.root())?;
@@ -57,8 +57,8 @@ fn queries(bench: &Benchmark) -> Result<Vec<QueryId>> {
 }
 
 /// The round as it was pronounced, agreement before anything was left out.
-fn facts(judged: &Judged) -> Round {
-    let Judged { round, key, responses, verdicts, .. } = judged;
+fn facts(judged: &JudgedRound) -> Round {
+    let JudgedRound { round, key, responses, verdicts, .. } = judged;
     let overall = measure(round, key, responses).overall;
     Round {
         name: round.name.to_string(),

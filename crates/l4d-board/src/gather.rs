@@ -10,11 +10,11 @@ use l4d_data::store::list_folder;
 use l4d_data::{DataError, Name, QueryId, Report, Role, Status};
 use l4d_score::compare::Pair;
 use l4d_score::counts::{self, FrameCount, Rows, State};
-use l4d_score::exam::SceneExam;
+use l4d_score::eval_set::EvalScene;
 use l4d_score::metrics::{QueryTally, taken};
 use l4d_score::score::{counts_path, summary_path};
 use l4d_score::{
-    Breakdown, Estimate, Exam, GroupKind, Metric, Metrics, Missing, Options, QuerySet, Summary, all_pairs,
+    Breakdown, Estimate, EvalSet, GroupKind, Metric, Metrics, Missing, Options, QuerySet, Summary, all_pairs,
     groups,
 };
 use polars::prelude::{Column, DataFrame, PolarsResult};
@@ -33,15 +33,15 @@ use crate::ranking::arrange;
 /// Tables of `benchmark/published`, in the order of the page.
 const PUBLISHED: [&str; 7] = ["panoptic_l4d", "neu3d", "composites", "scales", "mvsc", "views", "vlm"];
 
-/// Reads `scores/<method>/` of every method and makes the board of `exam`, with what was odd among the scores. `seed` is
+/// Reads `scores/<method>/` of every method and makes the board of `eval_set`, with what was odd among the scores. `seed` is
 /// that of the draws behind intervals.
 ///
 /// # Errors
-/// No scores, none of this exam, and files that are damaged or contradict each other.
-pub fn gather(scores: &Path, exam: &Exam, seed: u64) -> Result<(Board, Report), BoardError> {
+/// No scores, none of this set, and files that are damaged or contradict each other.
+pub fn gather(scores: &Path, eval_set: &EvalSet, seed: u64) -> Result<(Board, Report), BoardError> {
     let mut report = Report::default();
     let summaries = read_summaries(scores, &mut report)?;
-    let (heading, options) = heading(exam, &summaries);
+    let (heading, options) = heading(eval_set, &summaries);
     let all_options: BTreeMap<Name, Options> =
         summaries.iter().map(|summary| (summary.name.clone(), summary.options)).collect();
     let methods = summaries.into_iter().map(method).collect();
@@ -51,16 +51,16 @@ pub fn gather(scores: &Path, exam: &Exam, seed: u64) -> Result<(Board, Report), 
         let hint = "it is left out here; score it again, or choose its --profile";
         report.warning(codes::OTHER_BOARD, &summary_path(scores, &method.name), "", message, hint);
     }
-    let scenes: Vec<BoardScene> = exam.scenes.iter().map(|scene| board_scene(scene, &options)).collect();
+    let scenes: Vec<BoardScene> = eval_set.scenes.iter().map(|scene| board_scene(scene, &options)).collect();
     let count = |(place, method): (usize, &mut Method)| {
-        let source = Source { scores, exam, scenes: &scenes, seed, options: all_options[&method.name] };
+        let source = Source { scores, eval_set, scenes: &scenes, seed, options: all_options[&method.name] };
         source.count(method, place)
     };
     let tallies: Vec<Vec<QueryTally>> =
         methods.par_iter_mut().enumerate().map(count).collect::<Result<_, BoardError>>()?;
     let comparisons = COMPARED.map(|metric| compare(metric, &methods, &tallies, &heading, seed)).into();
-    let protocols = gather_protocols(scores, &methods, &scenes, exam, &mut report)?;
-    let published = published(exam)?;
+    let protocols = gather_protocols(scores, &methods, &scenes, eval_set, &mut report)?;
+    let published = published(eval_set)?;
     let schema = SCHEMA.to_owned();
     let day = day::of_scores(scores, &methods);
     Ok((Board { schema, heading, methods, comparisons, scenes, protocols, published, day }, report))
@@ -116,37 +116,38 @@ fn impossible(summary: &Summary) -> Option<(String, f64)> {
     numbers.find(|(_, value)| !is_percentage(*value)).or(seconds.map(|value| ("seconds".to_owned(), value)))
 }
 
-fn is_of_exam(summary: &Summary, exam: &Exam) -> bool {
-    summary.set == exam.set
-        && summary.profile == exam.profile
-        && summary.benchmark_version == exam.bench.manifest.version
-        && summary.truth_digest == exam.truth_digest
+fn is_of_eval_set(summary: &Summary, eval_set: &EvalSet) -> bool {
+    summary.set == eval_set.set
+        && summary.profile == eval_set.profile
+        && summary.benchmark_version == eval_set.bench.manifest.version
+        && summary.truth_digest == eval_set.truth_digest
 }
 
 /// The board is of the protocol and options that most methods were scored with, among equals the plainest.
-fn heading(exam: &Exam, summaries: &[Summary]) -> (Heading, Options) {
+fn heading(eval_set: &EvalSet, summaries: &[Summary]) -> (Heading, Options) {
     let mut votes: BTreeMap<String, (usize, Options)> = BTreeMap::new();
-    for summary in summaries.iter().filter(|summary| is_of_exam(summary, exam)) {
+    for summary in summaries.iter().filter(|summary| is_of_eval_set(summary, eval_set)) {
         votes.entry(protocol(summary)).or_insert((0, summary.options)).0 += 1;
     }
     let most = votes.values().map(|(count, _)| *count).max();
     let chosen = votes.into_iter().find(|(_, (count, _))| Some(*count) == most);
     let (protocol, (_, options)) =
         chosen.unwrap_or_else(|| (l4d_score::results::PROTOCOL.to_owned(), (0, Options::default())));
-    let asked = || exam.scenes.iter().flat_map(|scene| &scene.queries).filter(|query| options.takes(query));
-    let has_any = |scene: &&SceneExam| scene.queries.iter().any(|query| options.takes(query));
+    let asked =
+        || eval_set.scenes.iter().flat_map(|scene| &scene.queries).filter(|query| options.takes(query));
+    let has_any = |scene: &&EvalScene| scene.queries.iter().any(|query| options.takes(query));
     let heading = Heading {
-        benchmark: exam.bench.manifest.name.clone(),
+        benchmark: eval_set.bench.manifest.name.clone(),
         on: ScoredOn {
-            profile: exam.profile,
+            profile: eval_set.profile,
             protocol,
-            benchmark_version: exam.bench.manifest.version.clone(),
-            truth_digest: exam.truth_digest.clone(),
+            benchmark_version: eval_set.bench.manifest.version.clone(),
+            truth_digest: eval_set.truth_digest.clone(),
         },
         queries: asked().count(),
-        scenes: exam.scenes.iter().filter(has_any).count(),
+        scenes: eval_set.scenes.iter().filter(has_any).count(),
         verified: asked().filter(|query| query.status == Status::Verified).count(),
-        rejected: exam.rejected(),
+        rejected: eval_set.rejected(),
     };
     (heading, options)
 }
@@ -195,7 +196,7 @@ fn method(summary: Summary) -> Method {
     }
 }
 
-pub(crate) fn board_scene(scene: &SceneExam, options: &Options) -> BoardScene {
+pub(crate) fn board_scene(scene: &EvalScene, options: &Options) -> BoardScene {
     let things = scene.truth.instances.iter().map(|instance| Thing {
         category: instance.category.clone(),
         name: instance.name.clone(),
@@ -217,7 +218,7 @@ pub(crate) fn board_scene(scene: &SceneExam, options: &Options) -> BoardScene {
 /// Where the numbers of a method come from.
 pub(crate) struct Source<'a> {
     pub(crate) scores: &'a Path,
-    pub(crate) exam: &'a Exam,
+    pub(crate) eval_set: &'a EvalSet,
     pub(crate) scenes: &'a [BoardScene],
     pub(crate) seed: u64,
     pub(crate) options: Options,
@@ -264,7 +265,7 @@ impl Source<'_> {
         method.miou = Estimate::of_ratio(&tallies, |ratios| ratios.miou, self.seed);
         method.iou_of_frames = frames.means().map_err(|error| BoardError::render("board.json", error))?;
         if place < MOST_DETAILED {
-            method.groups = groups(&tallies, self.exam, |kind| has_group(kind, place), self.seed);
+            method.groups = groups(&tallies, self.eval_set, |kind| has_group(kind, place), self.seed);
             fill(method, answers);
         }
         Ok(if place < MOST_COMPARED { tallies } else { Vec::new() })
@@ -427,10 +428,10 @@ fn compare(
 }
 
 /// The tables of papers that the benchmark has.
-fn published(exam: &Exam) -> Result<Vec<PublishedTable>, DataError> {
+fn published(eval_set: &EvalSet) -> Result<Vec<PublishedTable>, DataError> {
     let mut tables = Vec::new();
     for name in PUBLISHED {
-        let path = exam.bench.dir.published(name);
+        let path = eval_set.bench.dir.published(name);
         if !path.exists() {
             continue;
         }

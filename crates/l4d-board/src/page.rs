@@ -15,7 +15,7 @@ use std::sync::Mutex;
 
 use l4d_data::Report;
 use l4d_data::store::AtomicFile;
-use l4d_score::Exam;
+use l4d_score::EvalSet;
 use rayon::prelude::*;
 
 pub use masks::LONGEST_SIDE_PX;
@@ -30,7 +30,7 @@ pub(crate) const PAGE: &str = "index.html";
 
 /// Where the page finds pictures and masks.
 pub struct Media<'a> {
-    pub exam: &'a Exam,
+    pub eval_set: &'a EvalSet,
     /// Folder of results; without it the page shows numbers and truth, and no masks of methods.
     pub results: Option<&'a Path>,
     /// Pictures of the held-out camera.

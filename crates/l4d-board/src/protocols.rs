@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use l4d_data::store::list_folder;
 use l4d_data::{Category, DataError, Name, QueryId, Report, Scale};
 use l4d_score::protocols::{LeftOut, Measure, Record, Sheet, shared};
-use l4d_score::{Exam, Protocol};
+use l4d_score::{EvalSet, Protocol};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -49,12 +49,12 @@ pub struct ProtocolRow {
 }
 
 /// Reads what protocols say of methods: `<scores>-<protocol>/<method>/`, for every protocol that has such a folder. What
-/// was judged against something else than `exam` is reported and left out.
+/// was judged against something else than `eval_set` is reported and left out.
 pub(crate) fn gather_protocols(
     scores: &Path,
     methods: &[Method],
     scenes: &[BoardScene],
-    exam: &Exam,
+    eval_set: &EvalSet,
     report: &mut Report,
 ) -> Result<Vec<ProtocolTable>, DataError> {
     let place: BTreeMap<&str, usize> =
@@ -72,8 +72,8 @@ pub(crate) fn gather_protocols(
         let mut rows = Vec::new();
         for (place, (name, record)) in names.iter().zip(read).enumerate() {
             match record {
-                Some(record) if record.origin.is_of(exam) => {
-                    rows.push(ProtocolRow::of(record, exam, scenes, place < MOST_DETAILED));
+                Some(record) if record.origin.is_of(eval_set) => {
+                    rows.push(ProtocolRow::of(record, eval_set, scenes, place < MOST_DETAILED));
                 }
                 other => report_left_out(&folder.join(name), protocol, other, report),
             }
@@ -127,8 +127,8 @@ pub(crate) fn group_filters() -> impl Iterator<Item = (Option<Category>, Option<
 }
 
 impl ProtocolRow {
-    fn of(record: Record, exam: &Exam, scenes: &[BoardScene], is_detailed: bool) -> Self {
-        let remarks = record.remarks(exam).into_iter().map(str::to_owned).collect();
+    fn of(record: Record, eval_set: &EvalSet, scenes: &[BoardScene], is_detailed: bool) -> Self {
+        let remarks = record.remarks(eval_set).into_iter().map(str::to_owned).collect();
         let Record { origin, sheet } = record;
         let (mut groups, mut values) = (BTreeMap::new(), BTreeMap::new());
         if is_detailed {

@@ -8,7 +8,7 @@ use l4d_score::counts::{FrameCount, State, by_query};
 use l4d_score::metrics::PerMetric;
 use l4d_score::protocols::{LeftOut, Protocol};
 use l4d_score::{
-    Average, Breakdown, Comparison, Estimate, Exam, Group, GroupKind, Metric, Metrics, Options, Pair,
+    Average, Breakdown, Comparison, Estimate, EvalSet, Group, GroupKind, Metric, Metrics, Options, Pair,
     QuerySet,
 };
 
@@ -165,13 +165,14 @@ pub(crate) fn protocol() -> ProtocolTable {
 pub(crate) fn answered(mut board: Board) -> Board {
     let bench = Benchmark::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../../benchmark")).unwrap();
     let wanted = ["room_living_cats", "tabletop_tea", "outdoor_dog_park"].map(str::to_owned);
-    let exam = Exam::open(bench, Profile::Tiny, QuerySet::Queries, &wanted, &mut Report::default()).unwrap();
+    let eval_set =
+        EvalSet::open(bench, Profile::Tiny, QuerySet::Queries, &wanted, &mut Report::default()).unwrap();
     let options = Options::default();
-    let scenes: Vec<BoardScene> = exam.scenes.iter().map(|scene| board_scene(scene, &options)).collect();
+    let scenes: Vec<BoardScene> = eval_set.scenes.iter().map(|scene| board_scene(scene, &options)).collect();
     for (place, method) in board.methods.iter_mut().enumerate() {
         let counts = scenes.iter().flat_map(|scene| made_up(scene, place)).map(Ok);
         let scores = std::path::Path::new("scores");
-        let source = Source { scores, exam: &exam, scenes: &scenes, seed: 0, options };
+        let source = Source { scores, eval_set: &eval_set, scenes: &scenes, seed: 0, options };
         fill(method, source.counted(by_query(counts), true).unwrap().answers);
     }
     board.scenes = scenes;

@@ -14,7 +14,7 @@ use l4d_data::published::Published;
 use l4d_data::store::write_atomic;
 use l4d_data::{Progress, StageError, Workspace};
 use l4d_ground::oracle::NoisePreset;
-use l4d_score::Exam;
+use l4d_score::EvalSet;
 use l4d_solve::grounders::Grounders;
 use l4d_solve::method::MethodChoice;
 use l4d_splat::raster::Rasterizer;
@@ -36,7 +36,7 @@ pub struct Ablation<'a> {
     /// Which table of the paper.
     pub grid: Grid,
     /// Scenes, queries and truth; its set is [`Grid::set`].
-    pub exam: &'a Exam,
+    pub eval_set: &'a EvalSet,
     /// Profile and folders.
     pub space: &'a Workspace,
     /// Receives tables, results, scores and answers.
@@ -93,7 +93,7 @@ pub struct Ablated {
 /// Settings that say nothing to the grid, and whatever answering and judging meet.
 pub fn ablate(order: &Ablation<'_>, progress: &dyn Progress) -> Result<Ablated> {
     let table = order.grid.table();
-    let printed = order.exam.bench.dir.published(table);
+    let printed = order.eval_set.bench.dir.published(table);
     // Sets of the user's own come without the paper's numbers.
     let published = printed.exists().then(|| Published::read(&printed)).transpose()?;
     let published = published.as_ref();
@@ -147,7 +147,7 @@ fn noises(
         return noises_as_given(&preset, &correlations, order.folder);
     }
     let published = published.ok_or_else(|| {
-        let path = order.exam.bench.dir.published(order.grid.table());
+        let path = order.eval_set.bench.dir.published(order.grid.table());
         StageError::new(
             format!("{}: there are no numbers to come close to", path.display()),
             "copy the file from the release",
@@ -158,15 +158,15 @@ fn noises(
 
 /// What was run, a sentence each.
 fn about(order: &Ablation<'_>, noises: &[NoisePreset]) -> Vec<String> {
-    let exam = order.exam;
-    let queries: usize = exam.scenes.iter().map(|scene| scene.queries.len()).sum();
+    let eval_set = order.eval_set;
+    let queries: usize = eval_set.scenes.iter().map(|scene| scene.queries.len()).sum();
     let mut about = vec![format!(
         "{} {}, profile {}, set {}; scenes: {}, queries: {queries}.",
-        exam.bench.manifest.name,
-        exam.bench.manifest.version,
-        exam.profile,
-        exam.set.as_str(),
-        exam.scenes.len()
+        eval_set.bench.manifest.name,
+        eval_set.bench.manifest.version,
+        eval_set.profile,
+        eval_set.set.as_str(),
+        eval_set.scenes.len()
     )];
     about.push(format!(
         "PanopticQuery {}, preset {}, grounder {}, up to {} views where the grid does not say otherwise.",

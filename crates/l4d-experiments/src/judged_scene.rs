@@ -8,11 +8,11 @@ use std::collections::BTreeMap;
 use l4d_data::{Query, Status, Workspace};
 use l4d_masks::Mask;
 use l4d_score::counts::FrameCount;
-use l4d_score::exam::SceneExam;
+use l4d_score::eval_set::EvalScene;
 use l4d_score::judge::{Answer, QueryJudge};
 use l4d_score::metrics::{QueryFacts, QueryTally};
 use l4d_score::truth::SceneTruth;
-use l4d_score::{Exam, Options};
+use l4d_score::{EvalSet, Options};
 use l4d_solve::clips::{PictureIndex, Plan};
 use l4d_solve::scene::{ClipSettings, Places, SolveScene};
 use l4d_splat::raster::Rasterizer;
@@ -28,27 +28,33 @@ pub(crate) struct JudgedScene<'a> {
     pub(crate) truth: SceneTruth,
     /// From where and when the judge wants masks.
     pub(crate) plan: Plan,
-    exam: &'a SceneExam,
+    eval_scene: &'a EvalScene,
 }
 
 impl<'a> JudgedScene<'a> {
     pub(crate) fn open(
-        exam: &Exam,
-        asked: &'a SceneExam,
+        eval_scene: &EvalSet,
+        asked: &'a EvalScene,
         space: &Workspace,
         clips: &ClipSettings,
         draws: (&dyn Rasterizer, Option<Value>),
     ) -> Result<Self> {
-        let (name, profile) = (&asked.name, exam.profile);
+        let (name, profile) = (&asked.name, eval_scene.profile);
         let (data, work) = (space.scene(name), space.work(name));
         let places = Places { data, work, model: None, reader_options: ReaderOptions::default() };
         let scene = SolveScene::open(name, profile, &places, clips, draws, &|| {})?;
-        Ok(Self { plan: scene.judged(&places)?, truth: exam.truth(asked), places, scene, exam: asked })
+        Ok(Self {
+            plan: scene.judged(&places)?,
+            truth: eval_scene.truth(asked),
+            places,
+            scene,
+            eval_scene: asked,
+        })
     }
 
     /// The queries that are judged.
     pub(crate) fn queries(&self) -> impl Iterator<Item = &'a Query> + use<'a> {
-        self.exam.queries.iter().filter(|query| query.status != Status::Rejected)
+        self.eval_scene.queries.iter().filter(|query| query.status != Status::Rejected)
     }
 
     /// What masks of the held-out view are worth.
@@ -70,6 +76,6 @@ impl<'a> JudgedScene<'a> {
 
     /// Positions of the referents of a query among the instances of the truth.
     pub(crate) fn referents(&self, query: &Query) -> Result<Vec<usize>> {
-        Ok(self.truth.referents(query, &self.exam.queries_path)?)
+        Ok(self.truth.referents(query, &self.eval_scene.queries_path)?)
     }
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 use l4d_data::store::write_atomic;
 use l4d_data::{At as _, Progress, Query, Workspace};
 use l4d_ground::oracle::NoisePreset;
-use l4d_score::Exam;
+use l4d_score::EvalSet;
 use l4d_solve::consensus::Preset;
 use l4d_solve::grounders::Grounders;
 use l4d_solve::lift::{ClosedSettings, FieldSettings, LiftSettings};
@@ -30,7 +30,7 @@ const BASE: &str = "closed form, as users get it";
 /// What is measured, and on what.
 pub struct LiftRequest<'a> {
     /// Scenes, queries and truth.
-    pub exam: &'a Exam,
+    pub eval_set: &'a EvalSet,
     /// Profile and folders.
     pub space: &'a Workspace,
     /// Errors of what training views show; none for none.
@@ -83,16 +83,16 @@ pub struct Row {
 /// # Errors
 /// Whatever opening scenes, lifting and judging meet.
 pub fn bench(request: &LiftRequest<'_>, progress: &dyn Progress) -> Result<Benched> {
-    let LiftRequest { exam, rasterizer, .. } = *request;
+    let LiftRequest { eval_set, rasterizer, .. } = *request;
     let grounders = Grounders::Oracle(request.noise.clone().unwrap_or_else(NoisePreset::none));
     let lifts = lifts(request.is_quick);
     let clips = Preset::Robust.clip_settings(request.views, 0);
     let mut samples: Vec<Vec<Sample>> = vec![Vec::new(); lifts.len()];
-    progress.start("lifting", (exam.scenes.len() * request.queries * lifts.len()) as u64);
-    for scene in &exam.scenes {
+    progress.start("lifting", (eval_set.scenes.len() * request.queries * lifts.len()) as u64);
+    for scene in &eval_set.scenes {
         progress.item(&scene.name);
         let draws = (rasterizer, request.adapter.clone());
-        let judged = JudgedScene::open(exam, scene, request.space, &clips, draws)?;
+        let judged = JudgedScene::open(eval_set, scene, request.space, &clips, draws)?;
         let queries: Vec<Query> = judged.queries().cloned().collect();
         let grounder = grounders.of_scene(&judged.scene, rasterizer, &judged.places.data, &queries)?;
         for query in evenly(&queries, request.queries) {
@@ -110,12 +110,12 @@ pub fn bench(request: &LiftRequest<'_>, progress: &dyn Progress) -> Result<Bench
         .filter_map(|((series, setting, _), samples)| Row::new(series, setting, samples))
         .collect();
     let queries = rows.iter().map(|row| row.queries).max().unwrap_or_default();
-    let names: Vec<&str> = exam.scenes.iter().map(|scene| scene.name.as_str()).collect();
+    let names: Vec<&str> = eval_set.scenes.iter().map(|scene| scene.name.as_str()).collect();
     let about = format!(
         "{queries} {} of {} at profile {}, {} views; the oracle {}",
         if queries == 1 { "query" } else { "queries" },
         names.join(", "),
-        exam.profile,
+        eval_set.profile,
         request.views,
         if request.noise.is_none() { "makes no errors" } else { "errs as it was told" }
     );

@@ -124,7 +124,12 @@ impl Panoptic {
     }
 
     /// Ranks what is seen by how well the sentence describes it.
-    fn judge(&self, scene: Option<&Scene>, things: &Things, reading: &Reading) -> Result<Judged, Outcome> {
+    fn judge(
+        &self,
+        scene: Option<&Scene>,
+        things: &Things,
+        reading: &Reading,
+    ) -> Result<Interpretation, Outcome> {
         let (predicate, temporal) = (&reading.predicate, reading.temporal);
         let mut notes = vec![format!("reads the sentence as {predicate}")];
         notes.extend(reading.note());
@@ -137,7 +142,7 @@ impl Panoptic {
             noun: things.likeliest(&one.name, description).to_owned(),
             confidence: one.confidence,
         });
-        Ok(Judged { best: ranked.into_iter().next(), runner_up, temporal, notes })
+        Ok(Interpretation { best: ranked.into_iter().next(), runner_up, temporal, notes })
     }
 
     fn seen(&self, clip: &ViewClip) -> Result<Arc<Seen>, WeightsError> {
@@ -194,14 +199,14 @@ fn unusable(message: String) -> StageError {
 }
 
 /// What a sentence means among the things that are seen.
-struct Judged {
+struct Interpretation {
     best: Option<Ranked>,
     runner_up: Option<RunnerUp>,
     temporal: Temporal,
     notes: Vec<String>,
 }
 
-impl Judged {
+impl Interpretation {
     /// The answer in one view, in which these are the pixels of what is meant: those of the times that are meant.
     fn shown(self, clip: &ViewClip, mut masks: BTreeMap<u32, Mask>, question: &Question) -> Grounding {
         let likely = self.best.as_ref().map(|best| best.when.likely());

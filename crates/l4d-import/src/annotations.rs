@@ -12,7 +12,7 @@ mod prompts;
 
 use l4d_masks::Mask;
 
-pub use prompts::Judged;
+pub use prompts::QueriesWithTruth;
 pub(crate) use prompts::base_object;
 
 /// A picture with what was drawn on it.

@@ -27,7 +27,7 @@ use strum::VariantNames as _;
 
 pub use self::manifest::{Called, Exported, Manifest};
 
-use crate::annotations::Judged;
+use crate::annotations::QueriesWithTruth;
 
 use self::manifest::Folder;
 use self::views::SceneViews;
@@ -143,7 +143,7 @@ pub struct ExportRequest<'a> {
     /// Folder of a COLMAP model in the world of the scene, whose points take the place of all others.
     pub points_from: Option<&'a Path>,
     /// Queries and truth, for the formats that hold them.
-    pub judged: Option<&'a Judged<'a>>,
+    pub judged: Option<&'a QueriesWithTruth<'a>>,
 }
 
 impl<'a> ExportRequest<'a> {

@@ -4,8 +4,8 @@
 //! and the proof would compare the tracks with themselves. Names of objects often tell what they do, so they are left
 //! out, too.
 
-mod exam;
 mod proposal;
+mod screening;
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -20,8 +20,8 @@ use l4d_query::prove::{SceneSet, Vocabulary};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use self::exam::{Exam, Outcome};
 use self::proposal::Proposal;
+use self::screening::{Outcome, Screening};
 use crate::answer::{AskOptions, Asked, Reason, Subject, lines, write_unless_other};
 use crate::quote::data_block;
 
@@ -100,10 +100,10 @@ impl QueryProposer<'_> {
         let file = |ending: &str| self.out.join(format!("{name}{ending}"));
         let failures = file(".failed.jsonl");
         let subject = Subject { name, list: "proposals", mark: "text", code: "L4D560", failures: &failures };
-        let mut exam = Exam::new(&set, &scene, self.vocabulary);
+        let mut screening = Screening::new(&set, &scene, self.vocabulary);
         let (mut candidates, mut unproved) = (Vec::new(), Vec::new());
         let asked = subject.ask(client, &request, report, |said, provenance| {
-            match exam.judge(&Proposal::read(said)?, provenance.clone()) {
+            match screening.judge(&Proposal::read(said)?, provenance.clone()) {
                 Outcome::Candidate(query) => candidates.push(query),
                 Outcome::NeedsPredicate(query, reasons) => {
                     unproved.push(Unproved { query, reasons, said: said.clone() });
@@ -230,7 +230,7 @@ fn description(set: &SceneSet) -> Value {
 
 #[cfg(test)]
 mod tests {
-    use super::exam::tests::{kitchen, rendering};
+    use super::screening::tests::{kitchen, rendering};
     use super::*;
 
     #[test]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use l4d_data::{self as data, Name, Profile, QueryId, Report, Split};
-use l4d_score::Exam;
+use l4d_score::EvalSet;
 use pyo3::prelude::*;
 
 use crate::camera::Camera;
@@ -210,8 +210,8 @@ impl Benchmark {
     }
 
     /// What is asked of a results folder.
-    pub(crate) fn exam(&self, set: &str, scenes: &[String], report: &mut Report) -> Result<Exam> {
+    pub(crate) fn eval_set(&self, set: &str, scenes: &[String], report: &mut Report) -> Result<EvalSet> {
         let set = choice("set", set, &["queries", "composites"])?;
-        Ok(Exam::open(self.bench.clone(), self.profile, set, scenes, report)?)
+        Ok(EvalSet::open(self.bench.clone(), self.profile, set, scenes, report)?)
     }
 }

@@ -77,14 +77,14 @@ pub(crate) fn score<'py>(
     let options = Options { missing, hit_iou, verified_only, resize };
     let document = py.detach(|| {
         let mut report = Report::default();
-        let mut exam = benchmark.exam(set, scenes.as_deref().unwrap_or_default(), &mut report)?;
-        exam.most_bytes = max_megabytes.saturating_mul(MEGABYTE);
+        let mut eval_set = benchmark.eval_set(set, scenes.as_deref().unwrap_or_default(), &mut report)?;
+        eval_set.most_bytes = max_megabytes.saturating_mul(MEGABYTE);
         let nowhere = tempfile::tempdir().map_err(|error| Failure::of_chain(&error))?;
         let folder = scores.as_deref().unwrap_or(nowhere.path());
-        let mut scored = score_results(&results, &exam, &options, folder, force, |_| {})?;
+        let mut scored = score_results(&results, &eval_set, &options, folder, force, |_| {})?;
         report.extend(std::mem::take(&mut scored.report));
         scored.report = report;
-        Ok::<_, Failure>(scored.into_document(&exam))
+        Ok::<_, Failure>(scored.into_document(&eval_set))
     })?;
     json_to_python(py, &document)
 }
@@ -103,9 +103,9 @@ pub(crate) fn check(
 ) -> Result<Vec<Finding>> {
     let report = py.detach(|| {
         let mut report = Report::default();
-        let mut exam = benchmark.exam(set, scenes.as_deref().unwrap_or_default(), &mut report)?;
-        exam.most_bytes = max_megabytes.saturating_mul(MEGABYTE);
-        check_results(&results, &exam, &mut report)?;
+        let mut eval_set = benchmark.eval_set(set, scenes.as_deref().unwrap_or_default(), &mut report)?;
+        eval_set.most_bytes = max_megabytes.saturating_mul(MEGABYTE);
+        check_results(&results, &eval_set, &mut report)?;
         Ok::<_, Failure>(report)
     })?;
     Ok(report.into_sorted().into_iter().map(Finding::from).collect())
@@ -131,9 +131,9 @@ pub(crate) fn write_baseline(
     let baseline = found.ok_or_else(|| unknown("name", name, &known))?;
     py.detach(|| {
         // `check` and `score` report scenes that are left out.
-        let exam =
-            benchmark.exam("queries", scenes.as_deref().unwrap_or_default(), &mut Report::default())?;
-        write(baseline, &exam, seed, &results, force)?;
+        let eval_set =
+            benchmark.eval_set("queries", scenes.as_deref().unwrap_or_default(), &mut Report::default())?;
+        write(baseline, &eval_set, seed, &results, force)?;
         Ok(results.join(baseline.as_str()))
     })
 }

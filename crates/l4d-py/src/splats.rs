@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use l4d_data::{Profile, Timeline};
 use l4d_frames::drawn::picture_of;
 use l4d_splat::checkpoint::foreign::Moments;
-use l4d_splat::clip::{ClipError, Moment, draw};
+use l4d_splat::clip::{ClipError, TimeViews, draw};
 use l4d_splat::model::time_of_frame;
 use l4d_splat::raster::{Cpu, Drawing, RasterSettings};
 use l4d_splat::source::{ReaderOptions, Source};
@@ -188,7 +188,7 @@ impl Splats {
         let view = |frame: u32| View::of_camera(&camera.camera, frame, camera.size, size);
         let moment = |&(frame, time): &(u32, f32)| {
             let view = view(frame).map_err(|error| Failure::of_chain(&error))?;
-            Ok(Moment { time, views: vec![((), view)] })
+            Ok(TimeViews { time, views: vec![((), view)] })
         };
         let moments = instants.iter().map(moment).collect::<Result<Vec<_>>>()?;
         // Moments are drawn one after the other, and each has one view: the order is that of the instants.

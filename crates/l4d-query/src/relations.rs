@@ -70,7 +70,7 @@ fn related_to<'a, R: Reading<'a>>(
     other: &TrackedInstance,
 ) -> R::Truth {
     let world = reading.world();
-    let when = |test: &dyn Fn(Moment<'_, 'a, R>) -> R::Degree| when(reading, slack, test);
+    let when = |test: &dyn Fn(AtFrame<'_, 'a, R>) -> R::Degree| when(reading, slack, test);
     let touching = || contact(reading, slack, subject, other);
     match kind {
         Relation::Touching => touching(),
@@ -81,7 +81,7 @@ fn related_to<'a, R: Reading<'a>>(
             let elsewhere = [Relation::On, Relation::In];
             let elsewhere = elsewhere.map(|kind| related_to(reading, slack.opposite(), subject, kind, other));
             let reach = slack.at_most(beside_m(world.scale()));
-            let is_near = |now: Moment<'_, 'a, R>| {
+            let is_near = |now: AtFrame<'_, 'a, R>| {
                 now.at_most(world.distance_m(subject, other, now.frame), reach, Unit::Metres)
             };
             any_of(elsewhere).not().and(when(&is_near))
@@ -194,7 +194,7 @@ fn beats_rivals<'a, R: Reading<'a>>(
 }
 
 /// A reading at a frame.
-struct Moment<'r, 'a, R> {
+struct AtFrame<'r, 'a, R> {
     reading: &'r R,
     world: &'r World<'a>,
     slack: Slack,
@@ -204,12 +204,12 @@ struct Moment<'r, 'a, R> {
 fn when<'a, R: Reading<'a>>(
     reading: &R,
     slack: Slack,
-    test: impl Fn(Moment<'_, 'a, R>) -> R::Degree,
+    test: impl Fn(AtFrame<'_, 'a, R>) -> R::Degree,
 ) -> R::Truth {
-    R::Truth::when(|frame| test(Moment { reading, world: reading.world(), slack, frame }))
+    R::Truth::when(|frame| test(AtFrame { reading, world: reading.world(), slack, frame }))
 }
 
-impl<'a, R: Reading<'a>> Moment<'_, 'a, R> {
+impl<'a, R: Reading<'a>> AtFrame<'_, 'a, R> {
     fn obb(&self, instance: &TrackedInstance) -> &Obb {
         self.world.obb(instance, self.frame)
     }

@@ -8,7 +8,7 @@
 use std::path::PathBuf;
 
 use l4d_data::{Benchmark, Report, Severity};
-use l4d_score::{Exam, Options, QuerySet, score_results};
+use l4d_score::{EvalSet, Options, QuerySet, score_results};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -17,8 +17,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (results, scores) = (PathBuf::from(next("results")?), PathBuf::from(next("a folder for scores")?));
     let scenes: Vec<String> = arguments.collect();
     let mut report = Report::default();
-    let exam = Exam::open(Benchmark::open("benchmark")?, profile, QuerySet::Queries, &scenes, &mut report)?;
-    let scored = score_results(&results, &exam, &Options::default(), &scores, false, |_| {})?;
+    let eval_set =
+        EvalSet::open(Benchmark::open("benchmark")?, profile, QuerySet::Queries, &scenes, &mut report)?;
+    let scored = score_results(&results, &eval_set, &Options::default(), &scores, false, |_| {})?;
     match scored.report.into_sorted().iter().find(|finding| finding.severity == Severity::Error) {
         None => Ok(()),
         Some(finding) => Err(format!("{}: {}", finding.path, finding.message).into()),

@@ -18,7 +18,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::Deserialize;
 
-use crate::exam::Exam;
+use crate::eval_set::EvalSet;
 use crate::truth::SceneTruth;
 
 /// A way to answer every query without looking at a picture.
@@ -82,13 +82,13 @@ pub struct Written {
 /// Truth that is damaged, files of other content without `force`, and what the disk refuses.
 pub fn write_baseline(
     baseline: Baseline,
-    exam: &Exam,
+    eval_set: &EvalSet,
     seed: u64,
     results: &Path,
     force: bool,
 ) -> Result<Written, DataError> {
     let dir = ResultsDir::new(results.join(baseline.as_str()));
-    let card = card(baseline, exam);
+    let card = card(baseline, eval_set);
     let card_bytes = line(serde_json::to_string_pretty(&card));
     let is_current = is_current(&dir.card(), &card_bytes, force)?;
     if !is_current && dir.card().exists() {
@@ -96,8 +96,8 @@ pub fn write_baseline(
         fs::remove_file(dir.card()).map_err(|source| DataError::io(&dir.card(), "replace", source))?;
     }
     let mut written = Written::default();
-    for scene in &exam.scenes {
-        let truth = exam.truth(scene);
+    for scene in &eval_set.scenes {
+        let truth = eval_set.truth(scene);
         let write = |query: &Query| {
             let referents = truth.referents(query, &scene.queries_path)?;
             let file = answer(baseline, &truth, query, &referents, &scene.clip, seed);
@@ -115,11 +115,12 @@ pub fn write_baseline(
     Ok(written)
 }
 
-fn card(baseline: Baseline, exam: &Exam) -> MethodCard {
+fn card(baseline: Baseline, eval_set: &EvalSet) -> MethodCard {
     let name = Name::new(baseline.as_str()).expect("names of baselines are names");
     let (version, used) =
-        (&exam.bench.manifest.version, Used { ground_truth: baseline.uses_truth(), ..Used::default() });
-    let card = MethodCard::new(name, env!("CARGO_PKG_VERSION"), version, &exam.truth_digest, exam.profile);
+        (&eval_set.bench.manifest.version, Used { ground_truth: baseline.uses_truth(), ..Used::default() });
+    let card =
+        MethodCard::new(name, env!("CARGO_PKG_VERSION"), version, &eval_set.truth_digest, eval_set.profile);
     MethodCard { used, baseline: true, ..card }
 }
 

@@ -7,7 +7,7 @@ use l4d_data::{Category, Name, QueryId, Scale, Temporal};
 use serde::{Deserialize, Serialize};
 
 use crate::cluster::{Estimate, FEW_SCENES};
-use crate::exam::Exam;
+use crate::eval_set::EvalSet;
 use crate::metrics::{PerMetric, QueryTally};
 use crate::traits::Traits;
 
@@ -74,18 +74,18 @@ pub struct Group {
 /// All groups of the wanted kinds that have a query, by kind, then in the order of the tables.
 pub fn groups(
     tallies: &[QueryTally],
-    exam: &Exam,
+    eval_set: &EvalSet,
     is_wanted: impl Fn(GroupKind) -> bool,
     seed: u64,
 ) -> Vec<Group> {
-    let traits: BTreeMap<&QueryId, Traits> = exam
+    let traits: BTreeMap<&QueryId, Traits> = eval_set
         .scenes
         .iter()
         .flat_map(|scene| scene.queries.iter().zip(&scene.traits))
         .map(|(query, &traits)| (&query.id, traits))
         .collect();
     let mut members: BTreeMap<(GroupKind, usize, String), Vec<&QueryTally>> = BTreeMap::new();
-    let scenes: Vec<&Name> = exam.scenes.iter().map(|scene| &scene.name).collect();
+    let scenes: Vec<&Name> = eval_set.scenes.iter().map(|scene| &scene.name).collect();
     for tally in tallies {
         let keys = group_keys(tally, traits.get(&tally.facts.id), &scenes);
         for key in keys.into_iter().filter(|(kind, ..)| is_wanted(*kind)) {

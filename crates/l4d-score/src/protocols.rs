@@ -25,7 +25,7 @@ mod votsr;
 use l4d_data::QuerySet;
 use serde::{Deserialize, Serialize};
 
-use clip::{Clip, Judged};
+use clip::{Clip, QueryScores};
 
 pub use clip::{LeftOut, Summits};
 pub use record::{Origin, Record};
@@ -117,7 +117,7 @@ pub struct Rules {
     /// What one has to know before setting these numbers beside those of a paper.
     pub remark: &'static str,
     /// The values of one query, in the order of the measures.
-    judge: fn(&Clip<'_>) -> Judged,
+    judge: fn(&Clip<'_>) -> QueryScores,
 }
 
 impl Protocol {

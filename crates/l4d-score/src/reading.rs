@@ -16,7 +16,7 @@ use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::codes;
-use crate::exam::SceneExam;
+use crate::eval_set::EvalScene;
 use crate::folder::{Kind, entries, read_sized, report_link, sound_bytes};
 use crate::judge::Answer;
 use crate::results::report_unknown;
@@ -54,7 +54,7 @@ impl Holes {
 #[derive(Debug)]
 pub struct SceneReader<'a> {
     dir: &'a ResultsDir,
-    scene: &'a SceneExam,
+    scene: &'a EvalScene,
     /// Frames that are asked for, ascending.
     clip: &'a [u32],
     /// Whether masks of another size are resized to that of the scene.
@@ -68,7 +68,7 @@ impl<'a> SceneReader<'a> {
     /// Looks through the folder of the scene and reports what is out of place.
     pub fn open(
         dir: &'a ResultsDir,
-        scene: &'a SceneExam,
+        scene: &'a EvalScene,
         resize: bool,
         holes: Holes,
         report: &mut Report,
@@ -332,7 +332,7 @@ fn is_asked(query: &Query) -> bool {
     query.status != Status::Rejected
 }
 
-fn report_skipped(dir: &ResultsDir, scene: &SceneExam, report: &mut Report) {
+fn report_skipped(dir: &ResultsDir, scene: &EvalScene, report: &mut Report) {
     let asked = scene.queries.iter().filter(|query| is_asked(query)).count();
     if asked == 0 {
         return;
@@ -344,7 +344,7 @@ fn report_skipped(dir: &ResultsDir, scene: &SceneExam, report: &mut Report) {
 }
 
 /// Looks through the masks of a scene: which queries are answered in which form, and what is out of place.
-fn scan(dir: &ResultsDir, scene: &SceneExam, report: &mut Report) -> BTreeMap<String, Forms> {
+fn scan(dir: &ResultsDir, scene: &EvalScene, report: &mut Report) -> BTreeMap<String, Forms> {
     let folder = dir.masks().join(scene.name.as_str());
     let mut found: BTreeMap<String, Forms> = BTreeMap::new();
     for (name, kind) in entries(&folder, report) {

@@ -15,7 +15,7 @@ use l4d_data::{DataError, Name, Report};
 use rayon::prelude::*;
 
 use crate::codes;
-use crate::exam::Exam;
+use crate::eval_set::EvalSet;
 use crate::folder::{Kind, entries, kind_of, list, report_link};
 use crate::reading::{Holes, SceneReader, frame_list, printable};
 
@@ -62,7 +62,7 @@ pub(crate) fn find_methods(root: &Path, report: &mut Report) -> Result<Vec<Resul
 /// `progress` gets the name of each method that was read.
 pub(crate) fn each_method<T>(
     root: &Path,
-    exam: &Exam,
+    eval_set: &EvalSet,
     resize: bool,
     report: &mut Report,
     progress: impl Fn(&str),
@@ -71,8 +71,8 @@ pub(crate) fn each_method<T>(
     let mut judged = Vec::new();
     for dir in find_methods(root, report)? {
         let mut found = Report::default();
-        if let Some(card) = read_card(&dir, exam, resize, &mut found)
-            && admit(&dir, exam, resize, &mut found)
+        if let Some(card) = read_card(&dir, eval_set, resize, &mut found)
+            && admit(&dir, eval_set, resize, &mut found)
         {
             judged.extend(judge(&dir, card, &mut found)?);
         }
@@ -82,10 +82,10 @@ pub(crate) fn each_method<T>(
     Ok(judged)
 }
 
-/// Reads `method.json` and checks that the masks were made for this exam; none if they cannot be scored.
+/// Reads `method.json` and checks that the masks were made for this evaluation set; none if they cannot be scored.
 pub(crate) fn read_card(
     dir: &ResultsDir,
-    exam: &Exam,
+    eval_set: &EvalSet,
     resize: bool,
     report: &mut Report,
 ) -> Option<MethodCard> {
@@ -111,15 +111,16 @@ pub(crate) fn read_card(
             return None;
         }
     };
-    let mismatches = mismatches(&card, exam, resize);
+    let mismatches = mismatches(&card, eval_set, resize);
     for (field, message, hint) in &mismatches {
         report.error(codes::CARD_MISMATCH, &path, format!("field `{field}`"), message, hint);
     }
     mismatches.is_empty().then_some(card)
 }
 
-fn mismatches(card: &MethodCard, exam: &Exam, resize: bool) -> Vec<(&'static str, String, String)> {
-    let (version, profile, (width, height)) = (&exam.bench.manifest.version, exam.profile, exam.size());
+fn mismatches(card: &MethodCard, eval_set: &EvalSet, resize: bool) -> Vec<(&'static str, String, String)> {
+    let (version, profile, (width, height)) =
+        (&eval_set.bench.manifest.version, eval_set.profile, eval_set.size());
     let again =
         "make the results again with this benchmark, or pass the benchmark that they were made for (--bench)";
     let digest = |text: &str| match text {
@@ -149,8 +150,8 @@ fn mismatches(card: &MethodCard, exam: &Exam, resize: bool) -> Vec<(&'static str
         ),
         (
             "truth_digest",
-            !of_profile || card.truth_digest == exam.truth_digest,
-            format!("is {}, but the truth is {}", digest(&card.truth_digest), digest(&exam.truth_digest)),
+            !of_profile || card.truth_digest == eval_set.truth_digest,
+            format!("is {}, but the truth is {}", digest(&card.truth_digest), digest(&eval_set.truth_digest)),
             format!("{again}; `l4d init-results` writes a method.json for it"),
         ),
         (
@@ -169,9 +170,9 @@ fn mismatches(card: &MethodCard, exam: &Exam, resize: bool) -> Vec<(&'static str
         ),
         (
             "frames",
-            !of_profile || card.frames == exam.clip,
-            format!("are not the {} frames of profile {profile}", exam.clip.len()),
-            format!("answer the frames {}", frame_list(&exam.clip)),
+            !of_profile || card.frames == eval_set.clip,
+            format!("are not the {} frames of profile {profile}", eval_set.clip.len()),
+            format!("answer the frames {}", frame_list(&eval_set.clip)),
         ),
     ];
     let wrong = checks.into_iter().filter(|(_, is_equal, ..)| !is_equal);
@@ -180,18 +181,18 @@ fn mismatches(card: &MethodCard, exam: &Exam, resize: bool) -> Vec<(&'static str
 
 /// Looks through the folder of masks before any of them is read: reports folders for scenes that the benchmark does not
 /// have and anything else that is out of place. False, and reported, if there are more bytes than are taken in.
-pub(crate) fn admit(dir: &ResultsDir, exam: &Exam, resize: bool, report: &mut Report) -> bool {
-    check_scenes(dir, &exam.bench.manifest.scenes, report);
+pub(crate) fn admit(dir: &ResultsDir, eval_set: &EvalSet, resize: bool, report: &mut Report) -> bool {
+    check_scenes(dir, &eval_set.bench.manifest.scenes, report);
     // What is wrong with the masks is for those to say who read them.
     let bytes_of =
         |scene| SceneReader::open(dir, scene, resize, Holes::Counted, &mut Report::default()).bytes();
-    let bytes: u64 = exam.scenes.par_iter().map(bytes_of).sum();
-    let is_admitted = bytes <= exam.most_bytes;
+    let bytes: u64 = eval_set.scenes.par_iter().map(bytes_of).sum();
+    let is_admitted = bytes <= eval_set.most_bytes;
     if !is_admitted {
         let message = format!(
             "holds {} MB of masks, more than the {} MB that are taken in, so none of them was read",
             bytes.div_ceil(MEGABYTE),
-            exam.most_bytes / MEGABYTE
+            eval_set.most_bytes / MEGABYTE
         );
         let hint = "write run lengths or 1-bit PNG; who judges may raise --max-megabytes";
         report.error(codes::TOO_MUCH, &dir.masks(), "folder", message, hint);

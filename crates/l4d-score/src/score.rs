@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use crate::codes;
 use crate::counts::{FrameCount, to_csv};
-use crate::exam::{Exam, SceneExam};
+use crate::eval_set::{EvalScene, EvalSet};
 use crate::judge::{Answer, QueryJudge};
 use crate::metrics::{Missing, Options, QueryFacts, QueryTally};
 use crate::reading::{Holes, SceneReader};
@@ -30,14 +30,14 @@ pub struct Scored {
 
 impl Scored {
     /// What `l4d score --json` prints: the scores with everything that they depend on, and the findings in order.
-    pub fn into_document(self, exam: &Exam) -> Value {
-        let scenes: Vec<&str> = exam.scenes.iter().map(|scene| scene.name.as_str()).collect();
+    pub fn into_document(self, eval_set: &EvalSet) -> Value {
+        let scenes: Vec<&str> = eval_set.scenes.iter().map(|scene| scene.name.as_str()).collect();
         serde_json::json!({
             "protocol": PROTOCOL,
-            "profile": exam.profile,
-            "set": exam.set,
-            "benchmark_version": exam.bench.manifest.version,
-            "truth_digest": exam.truth_digest,
+            "profile": eval_set.profile,
+            "set": eval_set.set,
+            "benchmark_version": eval_set.bench.manifest.version,
+            "truth_digest": eval_set.truth_digest,
             "scenes": scenes,
             "methods": self.summaries,
             "findings": self.report.into_sorted(),
@@ -67,7 +67,7 @@ pub fn summary_path(scores: &Path, method: &str) -> PathBuf {
 /// not l4d's, and what the disk refuses.
 pub fn score_results(
     root: &Path,
-    exam: &Exam,
+    eval_set: &EvalSet,
     options: &Options,
     scores: &Path,
     force: bool,
@@ -75,21 +75,22 @@ pub fn score_results(
 ) -> Result<Scored, DataError> {
     let mut report = Report::default();
     let asked =
-        exam.scenes.iter().flat_map(|scene| &scene.queries).filter(|query| options.takes(query)).count();
+        eval_set.scenes.iter().flat_map(|scene| &scene.queries).filter(|query| options.takes(query)).count();
     if asked == 0 {
         let (message, place) = ("no query is left to score", "folder `queries`");
         let hint = match options.verified_only {
             true => "drop --verified-only, or have queries verified",
             false => "write queries, or choose other --scenes or another --set",
         };
-        return Err(DataError::invalid(exam.bench.root(), place, message, hint));
+        return Err(DataError::invalid(eval_set.bench.root(), place, message, hint));
     }
     let _lock = FolderLock::take(scores)?;
-    let summaries = each_method(root, exam, options.resize, &mut report, progress, |dir, card, found| {
-        score_method(dir, card, exam, options, (scores, force), found)
-    })?;
+    let summaries =
+        each_method(root, eval_set, options.resize, &mut report, progress, |dir, card, found| {
+            score_method(dir, card, eval_set, options, (scores, force), found)
+        })?;
     if let Some(first) = summaries.first() {
-        report_never_present(first, exam, &mut report);
+        report_never_present(first, eval_set, &mut report);
     }
     Ok(Scored { summaries, report })
 }
@@ -97,7 +98,7 @@ pub fn score_results(
 fn score_method(
     dir: &ResultsDir,
     card: MethodCard,
-    exam: &Exam,
+    eval_set: &EvalSet,
     options: &Options,
     (scores, force): (&Path, bool),
     report: &mut Report,
@@ -110,10 +111,10 @@ fn score_method(
     file.write(&to_csv(&[], true))?;
     let mut tallies = Vec::new();
     // As many scenes at once as there are threads: their truth is all that memory must hold.
-    for batch in exam.scenes.chunks(rayon::current_num_threads()) {
+    for batch in eval_set.scenes.chunks(rayon::current_num_threads()) {
         let judged: Vec<JudgedScene> = batch
             .par_iter()
-            .map(|scene| judge_scene(dir, scene, exam, options))
+            .map(|scene| judge_scene(dir, scene, eval_set, options))
             .collect::<Result<_, DataError>>()?;
         for JudgedScene { queries, report: found } in judged {
             report.extend(found);
@@ -127,7 +128,7 @@ fn score_method(
         return Ok(None);
     }
     file.commit()?;
-    let summary = Summary::new(card, exam, options, &tallies);
+    let summary = Summary::new(card, eval_set, options, &tallies);
     json::write(&summary_path(scores, &summary.name), &summary)?;
     Ok(Some(summary))
 }
@@ -140,12 +141,12 @@ struct JudgedScene {
 
 fn judge_scene(
     dir: &ResultsDir,
-    scene: &SceneExam,
-    exam: &Exam,
+    scene: &EvalScene,
+    eval_set: &EvalSet,
     options: &Options,
 ) -> Result<JudgedScene, DataError> {
     let mut report = Report::default();
-    let truth = exam.truth(scene);
+    let truth = eval_set.truth(scene);
     let holes = Holes::reported_if(options.missing == Missing::Error);
     let reader = SceneReader::open(dir, scene, options.resize, holes, &mut report);
     let judge = |query: &&Query| {
@@ -180,10 +181,10 @@ fn rows_by_query(counts: &[FrameCount]) -> BTreeMap<&QueryId, Vec<&FrameCount>> 
 }
 
 /// Sums up rows that were read back from `counts.csv`: the same numbers as when they were counted.
-pub fn tallies_of_counts(counts: &[FrameCount], exam: &Exam, options: &Options) -> Vec<QueryTally> {
+pub fn tallies_of_counts(counts: &[FrameCount], eval_set: &EvalSet, options: &Options) -> Vec<QueryTally> {
     let rows = rows_by_query(counts);
     let mut tallies = Vec::new();
-    for scene in &exam.scenes {
+    for scene in &eval_set.scenes {
         for query in scene.queries.iter().filter(|query| options.takes(query)) {
             let rows = rows.get(&query.id).map_or(&[][..], Vec::as_slice).iter().copied();
             tallies.push(QueryTally::of(QueryFacts::of(query, scene.scale), rows, options));
@@ -192,10 +193,10 @@ pub fn tallies_of_counts(counts: &[FrameCount], exam: &Exam, options: &Options) 
     tallies
 }
 
-fn report_never_present(summary: &Summary, exam: &Exam, report: &mut Report) {
+fn report_never_present(summary: &Summary, eval_set: &EvalSet, report: &mut Report) {
     for id in &summary.never_present {
-        let path = exam.bench.dir.queries(&id.scene);
-        let message = format!("what it means is visible in no frame of profile {}", exam.profile);
+        let path = eval_set.bench.dir.queries(&id.scene);
+        let message = format!("what it means is visible in no frame of profile {}", eval_set.profile);
         let hint = "it enters no mean of mIoU, mAcc, tube IoU and select; mend the query or the scene";
         report.warning(codes::NEVER_PRESENT, &path, format!("query {id}"), message, hint);
     }
@@ -205,19 +206,19 @@ fn report_never_present(summary: &Summary, exam: &Exam, report: &mut Report) {
 ///
 /// # Errors
 /// A folder that cannot be listed, and truth that is damaged.
-pub fn check_results(root: &Path, exam: &Exam, report: &mut Report) -> Result<usize, DataError> {
+pub fn check_results(root: &Path, eval_set: &EvalSet, report: &mut Report) -> Result<usize, DataError> {
     let methods = find_methods(root, report)?;
     for dir in &methods {
         // Masks are worth reading even when the card is wrong: all problems shall be known at once.
-        read_card(dir, exam, false, report);
-        if admit(dir, exam, false, report) {
-            exam.scenes.iter().for_each(|scene| check_scene(dir, scene, report));
+        read_card(dir, eval_set, false, report);
+        if admit(dir, eval_set, false, report) {
+            eval_set.scenes.iter().for_each(|scene| check_scene(dir, scene, report));
         }
     }
     Ok(methods.len())
 }
 
-fn check_scene(dir: &ResultsDir, scene: &SceneExam, report: &mut Report) {
+fn check_scene(dir: &ResultsDir, scene: &EvalScene, report: &mut Report) {
     let reader = SceneReader::open(dir, scene, false, Holes::Reported, report);
     let check = |query: &Query| {
         let mut found = Report::default();

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::averages::Breakdown;
 use crate::baseline::Baseline;
-use crate::exam::Exam;
+use crate::eval_set::EvalSet;
 use crate::metrics::{Missing, Options, QueryTally};
 
 /// Schema tag of a summary.
@@ -83,7 +83,7 @@ pub(crate) fn handicaps(name: &Name, is_baseline: bool, used: &Used) -> Vec<&'st
 
 impl Summary {
     /// Averages the tallies of a method's queries.
-    pub fn new(card: MethodCard, exam: &Exam, options: &Options, tallies: &[QueryTally]) -> Self {
+    pub fn new(card: MethodCard, eval_set: &EvalSet, options: &Options, tallies: &[QueryTally]) -> Self {
         let missing_frames = tallies.iter().map(|tally| tally.missing_frames).sum();
         Self {
             schema: SCHEMA.to_owned(),
@@ -95,16 +95,16 @@ impl Summary {
             seconds: card.seconds,
             reported: card.reported,
             protocol: card.protocol,
-            profile: exam.profile,
+            profile: eval_set.profile,
             benchmark_version: card.benchmark_version,
             truth_digest: card.truth_digest,
-            set: exam.set,
+            set: eval_set.set,
             options: *options,
             partial: options.missing == Missing::Skip && missing_frames > 0,
             missing_frames,
             asked_queries: tallies.len(),
             verified_queries: tallies.iter().filter(|tally| tally.facts.verified).count(),
-            rejected_queries: exam.rejected(),
+            rejected_queries: eval_set.rejected(),
             never_present: tallies
                 .iter()
                 .filter(|tally| !tally.is_counted())

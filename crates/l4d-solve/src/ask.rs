@@ -21,7 +21,7 @@ use serde_json::{Value, json};
 
 pub use self::answer::{Answer, Status};
 use self::known::Known;
-pub use self::span::Moment;
+pub use self::span::ClipTime;
 pub use self::views::SeenMasks;
 use self::views::{CameraView, camera_views, mask_name, pixels, wanted, write_masks};
 use crate::account::{Account, Stage, word};
@@ -39,7 +39,7 @@ pub struct Ask<'a> {
     pub scene: Name,
     pub text: &'a str,
     /// First and last moment that are asked about; none for those of the clip.
-    pub span: [Option<Moment>; 2],
+    pub span: [Option<ClipTime>; 2],
     /// Profile and folders.
     pub space: &'a Workspace,
     /// Folder of the benchmark, whose sentences are known.

@@ -22,7 +22,7 @@ use l4d_frames::drawn::{DepthMap, RgbImage};
 use l4d_frames::moving_picture::Pages;
 use l4d_frames::preview::{Cell, Page};
 use l4d_ground::{ClipFrame, ViewClip};
-use l4d_splat::clip::{Moment, draw};
+use l4d_splat::clip::{TimeViews, draw};
 use l4d_splat::language::Language;
 use l4d_splat::model::Model;
 use l4d_splat::raster::{Drawing, RasterSettings, Rasterizer};
@@ -31,7 +31,7 @@ use rayon::prelude::*;
 
 pub use self::flight::Flight;
 pub use self::folder::{ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, ModelEntry, Overwrite};
-pub use self::plan::{Instant, PictureIndex, Plan};
+pub use self::plan::{DrawnTime, PictureIndex, Plan};
 pub(crate) use self::plan::{instants_at, spread_views};
 pub use self::request::{ClipsRequest, Wanted};
 use self::writers::writing;
@@ -51,11 +51,11 @@ pub fn complete(
     let finished = folder.finished(plan);
     let there = finished.len();
     // By time: the model is deformed once for all views of it.
-    let moment = |instant: usize| -> Result<Moment<PictureIndex>, StageError> {
+    let moment = |instant: usize| -> Result<TimeViews<PictureIndex>, StageError> {
         let pictures = (0..plan.cameras.len()).map(|view| PictureIndex { view, instant });
         let left = pictures.filter(|index| !finished.contains_key(index));
         let views = left.map(|index| Ok((index, plan.view(index)?))).collect::<Result<_, StageError>>()?;
-        Ok(Moment { time: plan.instants[instant].time, views })
+        Ok(TimeViews { time: plan.instants[instant].time, views })
     };
     let moments = (0..plan.instants.len()).map(moment).collect::<Result<Vec<_>, _>>()?;
     let look = folder.look();

@@ -11,7 +11,7 @@ use crate::view::View;
 
 /// A time and what is drawn at it; `Key` says which picture is which.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Moment<Key> {
+pub struct TimeViews<Key> {
     /// From 0 (start of the clip) to 1 (its end).
     pub time: f32,
     pub views: Vec<(Key, View)>,
@@ -53,10 +53,10 @@ pub fn draw<Key: Sync, E: From<ClipError> + Send>(
     model: &Model,
     rasterizer: &dyn Rasterizer,
     settings: &RasterSettings,
-    moments: &[Moment<Key>],
+    moments: &[TimeViews<Key>],
     deliver: impl Fn(&Key, Drawing) -> Result<(), E> + Sync,
 ) -> Result<(), E> {
-    for Moment { time, views } in moments.iter().filter(|moment| !moment.views.is_empty()) {
+    for TimeViews { time, views } in moments.iter().filter(|moment| !moment.views.is_empty()) {
         let time = *time;
         let splats = model.at(time).map_err(|source| ClipError::Model { time, source })?;
         views.par_iter().try_for_each(|(key, view)| {
@@ -80,10 +80,10 @@ mod tests {
         let room = Room::small(5);
         let (model, views) = (room.model().unwrap(), room.views([32, 24]).unwrap());
         let settings = RasterSettings::default();
-        let moments: Vec<Moment<(usize, usize)>> = [0.0, 0.5, 1.0]
+        let moments: Vec<TimeViews<(usize, usize)>> = [0.0, 0.5, 1.0]
             .into_iter()
             .enumerate()
-            .map(|(at, time)| Moment {
+            .map(|(at, time)| TimeViews {
                 time,
                 views: views.iter().take(2).enumerate().map(|(view, seen)| ((at, view), *seen)).collect(),
             })
@@ -102,7 +102,7 @@ mod tests {
             let alone = cpu.prepare(&splats, &views[*view], &settings).unwrap().draw().unwrap();
             assert_eq!(*drawing, alone, "moment {at}, view {view}");
         }
-        let late = [Moment { time: 1.5, views: vec![((0, 0), views[0])] }];
+        let late = [TimeViews { time: 1.5, views: vec![((0, 0), views[0])] }];
         let error = draw(&model, &Cpu::new(), &settings, &late, |_, _| Ok::<(), ClipError>(())).unwrap_err();
         assert_eq!(error.to_string(), "time 1.5");
     }

@@ -21,7 +21,7 @@ use crate::{ItemId, Key, Round, RoundDir};
 
 /// A judged round.
 #[derive(Debug)]
-pub struct Judged {
+pub struct JudgedRound {
     pub dir: RoundDir,
     /// What was asked.
     pub round: Round,
@@ -41,7 +41,7 @@ pub struct Judged {
     pub notices: Vec<Finding>,
 }
 
-impl Judged {
+impl JudgedRound {
     /// Reads and judges a round.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Rounds of annotation: what is asked of whom, what was answered, what follows from it.
 //!
 //! A round is a folder of files. An annotator's process reads what is asked ([`Round`]) and writes one append-only
-//! log of its own ([`Ballot`]); it never opens the key, another log, or a verdict. Afterwards [`Judged`] reads all logs
+//! log of its own ([`Ballot`]); it never opens the key, another log, or a verdict. Afterwards [`JudgedRound`] reads all logs
 //! and compares them with the [`Key`], and [`measure`] says how much people agreed before anything was thrown out.
 //!
 //! This crate decides nothing about pictures, keys on a keyboard or terminals, and it changes no query.
@@ -31,7 +31,7 @@ pub use agreement::measure;
 pub use ballot::Ballot;
 pub use draw::draw_round;
 pub use item::{Item, ItemId, ItemIdError};
-pub use judged::{Evidence, Judged};
+pub use judged::{Evidence, JudgedRound};
 pub use key::Key;
 pub use line::Source;
 pub use round::{Gold, Round, RoundSettings, SCHEMA};

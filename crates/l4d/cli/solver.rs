@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use l4d_data::{Profile, QuerySet, Shard};
 use l4d_experiments::ablation::Grid;
 use l4d_ground::panoptic::Part;
-use l4d_solve::ask::Moment;
+use l4d_solve::ask::ClipTime;
 use l4d_solve::batch::Control;
 use l4d_solve::consensus::Preset;
 use l4d_solve::method::LiftChoice;
@@ -171,10 +171,10 @@ pub(crate) struct QueryArgs {
     pub(crate) words: bool,
     /// First frame (24) or time (1.5s) that is asked about; default: that of the clip
     #[arg(long, value_name = "MOMENT")]
-    pub(crate) from: Option<Moment>,
+    pub(crate) from: Option<ClipTime>,
     /// Last frame or time that is asked about; default: that of the clip
     #[arg(long, value_name = "MOMENT")]
-    pub(crate) to: Option<Moment>,
+    pub(crate) to: Option<ClipTime>,
     /// tiny, small or full; real for captures
     #[arg(long, default_value = "small")]
     pub(crate) profile: Profile,

@@ -7,7 +7,7 @@ use l4d_data::store::Claim;
 use l4d_data::{Benchmark, Report, StageError};
 use l4d_experiments::ablation::{Ablation, Cell, Grid, ablate};
 use l4d_ground::oracle::NoisePreset;
-use l4d_score::Exam;
+use l4d_score::EvalSet;
 use serde_json::json;
 
 use crate::cli::solver::{AblateArgs, GrounderArg, MethodArgs};
@@ -20,7 +20,7 @@ pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
     let space = args.work.space(args.bench.profile);
     let mut report = Report::default();
-    let exam = Exam::open(bench, args.bench.profile, grid.set(), &args.bench.scenes, &mut report)?;
+    let eval_set = EvalSet::open(bench, args.bench.profile, grid.set(), &args.bench.scenes, &mut report)?;
     out.warnings(report);
     let noise = args.method.noise.as_deref().map(NoisePreset::read).transpose()?;
     let opened = rasterizer::open(&args.method.adapter.adapter)?;
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
     let ablated = ablate(
         &Ablation {
             grid,
-            exam: &exam,
+            eval_set: &eval_set,
             space: &space,
             folder: &folder,
             grounder: args.method.grounder.as_str(),

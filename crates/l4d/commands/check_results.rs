@@ -3,7 +3,7 @@
 use anyhow::Result;
 use l4d_data::{Benchmark, Report};
 use l4d_score::results::MEGABYTE;
-use l4d_score::{Exam, check_results};
+use l4d_score::{EvalSet, check_results};
 
 use crate::cli::judging::CheckResultsArgs;
 use crate::out::{ExitStatus, Printer};
@@ -11,9 +11,9 @@ use crate::out::{ExitStatus, Printer};
 pub(crate) fn run(args: &CheckResultsArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
     let bench = Benchmark::open(&args.bench.bench)?;
-    let mut exam = Exam::open(bench, args.bench.profile, args.set, &args.bench.scenes, &mut report)?;
-    exam.most_bytes = args.max_megabytes.saturating_mul(MEGABYTE);
-    let methods = check_results(&args.results, &exam, &mut report)?;
+    let mut eval_set = EvalSet::open(bench, args.bench.profile, args.set, &args.bench.scenes, &mut report)?;
+    eval_set.most_bytes = args.max_megabytes.saturating_mul(MEGABYTE);
+    let methods = check_results(&args.results, &eval_set, &mut report)?;
     out.note(format!("checked {methods} method{}", if methods == 1 { "" } else { "s" }));
     match args.json || args.all {
         true => out.findings(report, args.json),

@@ -8,7 +8,7 @@ use l4d_data::Progress as _;
 use l4d_data::layout::BenchDir;
 use l4d_data::query::{Query, read_queries};
 use l4d_data::truth::Truth;
-use l4d_import::annotations::Judged;
+use l4d_import::annotations::QueriesWithTruth;
 use l4d_import::export::{ExportRequest, Origin, export, picture_count};
 
 use crate::cli::interop::{ExportArgs, ExportFormat};
@@ -30,7 +30,7 @@ pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = BenchDir::new(&args.bench);
     let judged = answers
         .as_ref()
-        .map(|(truth, queries)| Judged::new(&bench.truth(args.profile, &name), truth, queries))
+        .map(|(truth, queries)| QueriesWithTruth::new(&bench.truth(args.profile, &name), truth, queries))
         .transpose()?;
     let request = ExportRequest {
         origin,

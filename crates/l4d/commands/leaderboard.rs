@@ -10,7 +10,7 @@ use l4d_board::{Answers, Board, BoardError, ProtocolTable, gather, publish, text
 use l4d_data::benchmark::SetSplit;
 use l4d_data::workspace::{default_leaderboard, default_scores};
 use l4d_data::{Benchmark, Report, counted};
-use l4d_score::Exam;
+use l4d_score::EvalSet;
 use serde_json::{Value, json};
 
 use crate::cli::judging::LeaderboardArgs;
@@ -21,12 +21,12 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
     let bench = Benchmark::open(&args.bench.bench)?;
     let set = args.set;
-    let exam = Exam::open(bench, args.bench.profile, set, &args.bench.scenes, &mut report)?;
+    let eval_set = EvalSet::open(bench, args.bench.profile, set, &args.bench.scenes, &mut report)?;
     let scores = args.scores.clone().unwrap_or_else(|| default_scores(set.as_str(), None));
     let output = args.out.clone().unwrap_or_else(|| default_leaderboard(set.as_str()));
-    let (board, found) = gather(&scores, &exam, args.seed).map_err(|error| with_hint(error, &scores))?;
+    let (board, found) = gather(&scores, &eval_set, args.seed).map_err(|error| with_hint(error, &scores))?;
     report.extend(found);
-    let is_withheld = exam.bench.manifest.split == SetSplit::Private && !args.with_answers;
+    let is_withheld = eval_set.bench.manifest.split == SetSplit::Private && !args.with_answers;
     if is_withheld && args.html {
         let hint = "leave out --html, or add --with-answers for a board that stays with you";
         return Err(refusal("the set is private, and the page shows its answers", hint));
@@ -35,7 +35,7 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
         publish(&board, &output, answers, args.force).map_err(|error| with_hint(error, &scores))
     };
     let paths = match (args.html, is_withheld) {
-        (true, _) => page::with_media(args, &exam, out, |media| publish(Answers::Shown(media)))?,
+        (true, _) => page::with_media(args, &eval_set, out, |media| publish(Answers::Shown(media)))?,
         (false, true) => publish(Answers::Withheld)?,
         (false, false) => publish(Answers::Named)?,
     };

@@ -11,7 +11,7 @@ use l4d_data::error::inert;
 use l4d_data::layout::{BenchDir, WorkDir};
 use l4d_data::store::{Claim, list_folder, read_bounded, write_atomic};
 use l4d_data::{Benchmark, DataError, Name, Profile, Report};
-use l4d_score::{Exam, QuerySet};
+use l4d_score::{EvalSet, QuerySet};
 
 use self::endings::{Ending, Why, endings};
 use crate::cli::{Cli, Command, QuickstartArgs};
@@ -44,9 +44,9 @@ pub(crate) fn run(
     }
     let mut report = Report::default();
     let bench = Benchmark::open(folder.join("benchmark"))?;
-    let exam = Exam::open(bench, Profile::Tiny, QuerySet::default(), &[], &mut report)?;
+    let eval_set = EvalSet::open(bench, Profile::Tiny, QuerySet::default(), &[], &mut report)?;
     let work = WorkDir::new(&folder.join("work"), Profile::Tiny, &scene);
-    let endings = endings(&exam, &scene, &Name::new(METHOD)?, &work, &folder.join("scores"))?;
+    let endings = endings(&eval_set, &scene, &Name::new(METHOD)?, &work, &folder.join("scores"))?;
     tell_endings(&endings, out);
     tell_what_is_next(&endings, &scene, folder, started.elapsed().as_secs_f64(), out);
     Ok(ExitStatus::Success)

@@ -91,7 +91,7 @@ fn flight(args: &RenderSplatsArgs) -> Option<Flight> {
     }
 }
 
-fn pace(instants: &[clips::Instant], timeline: Timeline) -> Pace {
+fn pace(instants: &[clips::DrawnTime], timeline: Timeline) -> Pace {
     let share = instants.first().zip(instants.last()).map_or(0.0, |(first, last)| last.time - first.time);
     Pace::over(instants.len(), f64::from(share) * timeline.duration_s())
 }

@@ -9,7 +9,7 @@ use l4d_data::workspace::default_scores;
 use l4d_data::{Benchmark, DataError, Report, counted};
 use l4d_score::results::MEGABYTE;
 use l4d_score::score::{counts_path, tallies_of_counts};
-use l4d_score::{Exam, Group, Options, QuerySet, Scored, Summary, counts, groups, score_results, table};
+use l4d_score::{EvalSet, Group, Options, QuerySet, Scored, Summary, counts, groups, score_results, table};
 use serde_json::Value;
 
 use crate::cli::judging::{ProtocolArg, ScoreArgs};
@@ -29,24 +29,24 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
         ProtocolArg::L4d => args.set,
         ProtocolArg::Other(protocol) => protocol.set(args.set),
     };
-    let mut exam = Exam::open(bench, args.bench.profile, set, &args.bench.scenes, &mut report)?;
-    exam.most_bytes = args.max_megabytes.saturating_mul(MEGABYTE);
+    let mut eval_set = EvalSet::open(bench, args.bench.profile, set, &args.bench.scenes, &mut report)?;
+    eval_set.most_bytes = args.max_megabytes.saturating_mul(MEGABYTE);
     if let ProtocolArg::Other(protocol) = args.protocol {
-        return protocol::run(args, protocol, &exam, &options, report, out);
+        return protocol::run(args, protocol, &eval_set, &options, report, out);
     }
-    let scores = args.scores.clone().unwrap_or_else(|| default_scores(exam.set.as_str(), None));
-    let mut scored = score_results(&args.results, &exam, &options, &scores, args.force, |name| {
+    let scores = args.scores.clone().unwrap_or_else(|| default_scores(eval_set.set.as_str(), None));
+    let mut scored = score_results(&args.results, &eval_set, &options, &scores, args.force, |name| {
         out.note(format!("read {name}"));
     })?;
     report.extend(std::mem::take(&mut scored.report));
     readmes::leave(&scores, readmes::SCORES)?;
     let status = Printer::status(&report);
     let grouped: Vec<Vec<Group>> = match args.groups {
-        true => grouped(&scored.summaries, &exam, &scores, args.seed)?,
+        true => grouped(&scored.summaries, &eval_set, &scores, args.seed)?,
         false => Vec::new(),
     };
     if args.json {
-        let mut document = Scored { report, ..scored }.into_document(&exam);
+        let mut document = Scored { report, ..scored }.into_document(&eval_set);
         add_groups(&mut document, &grouped)?;
         out.json(&document)?;
         return Ok(status);
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
         for (summary, groups) in summaries.iter().zip(&grouped) {
             out.data(table::render_groups(&summary.name, groups))?;
         }
-        out.data(footer(&summaries, &exam))?;
+        out.data(footer(&summaries, &eval_set))?;
     }
     tell(report, out)?;
     if !summaries.is_empty() {
@@ -77,13 +77,13 @@ fn tell(report: Report, out: &Printer) -> Result<()> {
 /// From the rows that were just written, as anyone else has them.
 fn grouped(
     summaries: &[Summary],
-    exam: &Exam,
+    eval_set: &EvalSet,
     scores: &Path,
     seed: u64,
 ) -> Result<Vec<Vec<Group>>, DataError> {
     let of_method = |summary: &Summary| {
         let rows = counts::read(&counts_path(scores, &summary.name))?;
-        Ok(groups(&tallies_of_counts(&rows, exam, &summary.options), exam, |_| true, seed))
+        Ok(groups(&tallies_of_counts(&rows, eval_set, &summary.options), eval_set, |_| true, seed))
     };
     summaries.iter().map(of_method).collect()
 }
@@ -98,14 +98,14 @@ fn add_groups(document: &mut Value, grouped: &[Vec<Group>]) -> Result<()> {
 }
 
 /// What the numbers rest on.
-fn footer(summaries: &[Summary], exam: &Exam) -> String {
+fn footer(summaries: &[Summary], eval_set: &EvalSet) -> String {
     let Some(first) = summaries.first() else { return String::new() };
     let mut text = format!(
         "{} {}, profile {}, {}: {} of {} scored prompts are verified by people.",
-        exam.bench.manifest.name,
-        exam.bench.manifest.version,
-        exam.profile,
-        counted(exam.scenes.len(), "scene"),
+        eval_set.bench.manifest.name,
+        eval_set.bench.manifest.version,
+        eval_set.profile,
+        counted(eval_set.scenes.len(), "scene"),
         first.verified_queries,
         first.asked_queries,
     );

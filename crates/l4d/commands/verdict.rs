@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use l4d_data::{Benchmark, Finding, Severity};
-use l4d_votes::judged::{Judged, files, render, status_line, statuses};
+use l4d_votes::judged::{JudgedRound, files, render, status_line, statuses};
 use l4d_votes::measure;
 
 use crate::cli::annotation::VerdictArgs;
@@ -14,7 +14,7 @@ pub(crate) fn run(args: &VerdictArgs, out: &Printer) -> Result<ExitStatus> {
         shipped::require_own(&args.bench)?;
     }
     let bench = Benchmark::open(&args.bench)?;
-    let judged = Judged::read(&args.rounds, &args.round, &bench)?;
+    let judged = JudgedRound::read(&args.rounds, &args.round, &bench)?;
     if !args.unsealed
         && let Err(error) = judged.require_sealed()
     {

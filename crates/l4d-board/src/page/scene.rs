@@ -77,9 +77,9 @@ struct AnswersPage<'a> {
 
 /// The scene at a place of the board.
 pub(crate) fn scene<'a>(board: &'a Board, place: usize, media: &Media) -> Result<ScenePage<'a>, DataError> {
-    let (asked, exam) = (&board.scenes[place], media.exam);
-    let scene = &exam.scenes[place];
-    let truth = exam.truth(scene);
+    let (asked, eval_set) = (&board.scenes[place], media.eval_set);
+    let scene = &eval_set.scenes[place];
+    let truth = eval_set.truth(scene);
     let shown = shown_frames(asked);
     let mut pool = Pool::new(shown_size((asked.width, asked.height)));
     let is_asked = |query: &&Query| asked.queries.iter().any(|one| one.id == query.id);

@@ -72,17 +72,17 @@ pub(super) fn noises_as_in_paper(
     published: &Published,
     progress: &dyn Progress,
 ) -> Result<Vec<NoisePreset>> {
-    let Ablation { exam, folder, .. } = order;
+    let Ablation { eval_set, folder, .. } = order;
     let method = MethodChoice { consensus: false, ..order.method.clone() };
     let (settings, clips) = (method.solve_settings(), method.clip_settings(None));
-    let scenes = exam.scenes.iter().map(|scene| {
+    let scenes = eval_set.scenes.iter().map(|scene| {
         let draws = (order.rasterizer, order.adapter.clone());
-        let judged = JudgedScene::open(exam, scene, order.space, &clips, draws);
+        let judged = JudgedScene::open(eval_set, scene, order.space, &clips, draws);
         Subject::new(judged.at(&scene.name)?)
     });
     let subjects: Vec<Subject<'_>> = scenes.collect::<Result<_>>()?;
     let targets = targets(published);
-    let made_from = made_from(&subjects, preset, &settings, correlations, &targets, &exam.truth_digest);
+    let made_from = made_from(&subjects, preset, &settings, correlations, &targets, &eval_set.truth_digest);
     let paths: Vec<PathBuf> = correlations.iter().map(|&rho| noise_path(folder, rho)).collect();
     let read = || paths.iter().map(|path| Ok(NoisePreset::read(path)?)).collect();
     if paths.iter().all(|path| was_made_from(path, &made_from)) {

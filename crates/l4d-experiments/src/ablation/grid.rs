@@ -197,7 +197,7 @@ fn views(order: &Ablation<'_>) -> Result<Runs> {
         variant(&format!("views-{views}"), &views.to_string(), method)
     };
     let left_out = others.iter().map(|views| {
-        let profile = order.exam.profile;
+        let profile = order.eval_set.profile;
         format!("{views} views: profile {profile} has {available} training views (in {scene})")
     });
     Ok(Runs {
@@ -209,16 +209,16 @@ fn views(order: &Ablation<'_>) -> Result<Runs> {
 
 /// Training views of the scene that has fewest.
 fn fewest_views(order: &Ablation<'_>) -> Result<(usize, Name)> {
-    let exam = order.exam;
+    let eval_set = order.eval_set;
     let mut fewest: Option<(usize, Name)> = None;
-    for scene in &exam.scenes {
-        let path = order.space.scene(&scene.name).rig(exam.profile);
+    for scene in &eval_set.scenes {
+        let path = order.space.scene(&scene.name).rig(eval_set.profile);
         if !path.exists() {
             return Err(StageError::new(
                 format!("{}: there is no scene", path.display()),
                 format!(
                     "{}, or choose another --data",
-                    how_scenes_are_made(&scene.name, exam.profile, order.space.scene(&scene.name).root())
+                    how_scenes_are_made(&scene.name, eval_set.profile, order.space.scene(&scene.name).root())
                 ),
             ));
         }

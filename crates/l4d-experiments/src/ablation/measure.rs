@@ -25,14 +25,14 @@ pub(super) struct Measured {
 
 /// Answers what is not answered yet, and scores all of it.
 pub(super) fn measure(variant: &Variant, order: &Ablation<'_>, progress: &dyn Progress) -> Result<Measured> {
-    let Ablation { exam, folder, .. } = order;
+    let Ablation { eval_set, folder, .. } = order;
     let (results, scores) = (folder.join("results"), folder.join("scores"));
     progress.note(&format_args!("\n{}", variant.setting));
     answer(variant, order, progress).at(format_args!("row `{}`", variant.setting))?;
 
     let options = Options::default();
     let Scored { summaries, report } =
-        score_results(&results.join(variant.name.as_str()), exam, &options, &scores, false, |_| {})?;
+        score_results(&results.join(variant.name.as_str()), eval_set, &options, &scores, false, |_| {})?;
     let Some(summary) = summaries.into_iter().next() else {
         let findings = report.into_sorted();
         let first = findings.iter().find(|finding| finding.severity == Severity::Error);
@@ -45,7 +45,7 @@ pub(super) fn measure(variant: &Variant, order: &Ablation<'_>, progress: &dyn Pr
     let rows = counts::read(&counts_path(&scores, &summary.name))?;
     Ok(Measured {
         setting: variant.setting.clone(),
-        tallies: tallies_of_counts(&rows, exam, &options),
+        tallies: tallies_of_counts(&rows, eval_set, &options),
         uses_truth: summary.used.ground_truth,
     })
 }
@@ -71,9 +71,9 @@ fn answer(variant: &Variant, order: &Ablation<'_>, progress: &dyn Progress) -> R
         used_depth: false,
         reader_options: ReaderOptions::default(),
     };
-    let scenes: Vec<_> = order.exam.scenes.iter().map(|scene| scene.name.clone()).collect();
+    let scenes: Vec<_> = order.eval_set.scenes.iter().map(|scene| scene.name.clone()).collect();
     let everything: &[QueryId] = &[];
-    let picked = pick(&order.exam.bench, order.exam.set, &scenes, everything, None)?;
-    batch.run(&order.exam.bench, &scenes, &picked, progress)?.tell(progress);
+    let picked = pick(&order.eval_set.bench, order.eval_set.set, &scenes, everything, None)?;
+    batch.run(&order.eval_set.bench, &scenes, &picked, progress)?.tell(progress);
     Ok(())
 }

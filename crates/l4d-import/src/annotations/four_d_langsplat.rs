@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 
 use super::fill::Rule;
 use super::outline::{Piece, pieces};
-use super::{Annotations, Judged, coco};
+use super::{Annotations, QueriesWithTruth, coco};
 
 /// Where the documents are below a dataset.
 const COCO: &str = "annotations/train/_annotations.coco.json";
@@ -68,7 +68,7 @@ pub(crate) fn drawn_size(truth: &Truth) -> [u32; 2] {
 }
 
 /// Writes both documents, Neu3D's counting; gives the names of the pictures, in the order of the truth's frames.
-pub(crate) fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<String>, DataError> {
+pub(crate) fn write(folder: &Path, judged: &QueriesWithTruth<'_>) -> Result<Vec<String>, DataError> {
     let truth = judged.truth();
     let subjects = subjects(judged);
     let moments = moments(truth);
@@ -105,7 +105,7 @@ fn moments(truth: &Truth) -> Vec<(usize, u32)> {
 }
 
 /// Categories with their masks: sentences that hold throughout, and the base objects of gated ones.
-fn subjects<'a>(judged: &'a Judged<'_>) -> Vec<(String, &'a BTreeMap<u32, Mask>)> {
+fn subjects<'a>(judged: &'a QueriesWithTruth<'_>) -> Vec<(String, &'a BTreeMap<u32, Mask>)> {
     let mut subjects: Vec<(String, &BTreeMap<u32, Mask>)> = Vec::new();
     for prompt in judged.prompts() {
         let name = if prompt.is_gated() { prompt.base() } else { prompt.query.text.clone() };
@@ -131,7 +131,7 @@ fn annotation(id: usize, image: usize, category: usize, piece: &Piece) -> Value 
 }
 
 /// Moments, counted in the clip of the held-out view, at which gated sentences hold.
-fn intervals(judged: &Judged<'_>) -> Intervals {
+fn intervals(judged: &QueriesWithTruth<'_>) -> Intervals {
     let mut intervals = Intervals::new();
     for prompt in judged.prompts().iter().filter(|prompt| prompt.is_gated()) {
         let mut runs: Vec<[u32; 2]> = Vec::new();

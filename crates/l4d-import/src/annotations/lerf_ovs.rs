@@ -10,7 +10,7 @@ use l4d_masks::mask::PixelBox;
 
 use serde_json::{Value, json};
 
-use super::Judged;
+use super::QueriesWithTruth;
 use super::outline::pieces;
 
 /// Stem of the one picture of a moment.
@@ -22,7 +22,7 @@ pub(crate) fn moment_folder(scene: &str, frame: u32) -> PathBuf {
 }
 
 /// Writes the labels of all moments at which something is asked for; gives their canonical frames.
-pub(crate) fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<u32>, DataError> {
+pub(crate) fn write(folder: &Path, judged: &QueriesWithTruth<'_>) -> Result<Vec<u32>, DataError> {
     let truth = judged.truth();
     let mut written = Vec::new();
     for &frame in &truth.frames {
@@ -45,7 +45,7 @@ pub(crate) fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<u32>, Data
     Ok(written)
 }
 
-fn objects(judged: &Judged<'_>, frame: u32) -> Vec<Value> {
+fn objects(judged: &QueriesWithTruth<'_>, frame: u32) -> Vec<Value> {
     let mut objects = Vec::new();
     for (group, prompt) in (1_u64..).zip(judged.prompts()) {
         let Some(mask) = prompt.masks.get(&frame).filter(|_| prompt.query.holds_at(frame)) else { continue };

@@ -11,7 +11,7 @@ use l4d_masks::target;
 
 /// Queries of a scene with the truth that their answers are compared with.
 #[derive(Debug, Clone)]
-pub struct Judged<'a> {
+pub struct QueriesWithTruth<'a> {
     truth: &'a Truth,
     prompts: Vec<Prompt<'a>>,
 }
@@ -24,7 +24,7 @@ pub(super) struct Prompt<'a> {
     pub(super) masks: BTreeMap<u32, Mask>,
 }
 
-impl<'a> Judged<'a> {
+impl<'a> QueriesWithTruth<'a> {
     /// Decodes the masks of the queries' referents; `path` is that of the truth, for errors.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ mod reconstruction;
 use glam::DVec2;
 use l4d_data::Camera;
 
-pub(super) use self::depth::{Moment, View};
+pub(super) use self::depth::{SeenFrame, View};
 pub(super) use self::reconstruction::Reconstruction;
 use crate::points::ColouredPoint;
 
@@ -21,7 +21,7 @@ pub(super) const EACH: &str = "each moment";
 /// Points at a moment.
 pub(super) enum Cloud<'a> {
     /// From what training cameras saw.
-    Depth(Moment<'a>),
+    Depth(SeenFrame<'a>),
     /// From a reconstruction, with the training cameras that are present.
     Reconstruction(&'a Reconstruction, Vec<&'a Camera>, u32),
 }

@@ -10,7 +10,7 @@ use l4d_masks::mask::nearest;
 
 use super::manifest::{Called, Manifest};
 use super::{Format, Job, limit};
-use crate::annotations::{Judged, four_d_langsplat, lerf_ovs};
+use crate::annotations::{QueriesWithTruth, four_d_langsplat, lerf_ovs};
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
     let Job { request, views, .. } = job;
@@ -33,7 +33,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
 }
 
 /// The truth of an request, and the camera that it is of.
-pub(super) fn camera<'a>(job: &Job<'a>) -> Result<(&'a Judged<'a>, &'a Camera), DataError> {
+pub(super) fn camera<'a>(job: &Job<'a>) -> Result<(&'a QueriesWithTruth<'a>, &'a Camera), DataError> {
     let Job { request, views, .. } = job;
     let judged =
         request.judged.ok_or_else(|| limit(views, "name", "its queries and truth were not given"))?;
@@ -47,7 +47,7 @@ pub(super) fn camera<'a>(job: &Job<'a>) -> Result<(&'a Judged<'a>, &'a Camera), 
 
 fn write_4d_langsplat(
     job: &Job<'_>,
-    judged: &Judged<'_>,
+    judged: &QueriesWithTruth<'_>,
     camera: &Camera,
     manifest: &mut Manifest,
 ) -> Result<(), DataError> {
@@ -73,7 +73,7 @@ fn write_4d_langsplat(
 
 fn write_lerf_ovs(
     job: &Job<'_>,
-    judged: &Judged<'_>,
+    judged: &QueriesWithTruth<'_>,
     camera: &Camera,
     manifest: &mut Manifest,
 ) -> Result<(), DataError> {

@@ -6,7 +6,7 @@ use glam::DVec3;
 use l4d_data::capture::{CAPTURE, Capture};
 use l4d_data::{DataError, Name, Profile, Split, json as files_of_json};
 use l4d_formats::colmap::Model;
-use l4d_import::annotations::{Judged, four_d_langsplat};
+use l4d_import::annotations::{QueriesWithTruth, four_d_langsplat};
 use l4d_import::export::{ExportRequest, Exported, Format, HeldOut, Origin, export};
 use l4d_masks::{Mask, ids};
 
@@ -201,7 +201,7 @@ fn evaluators_count_the_moments_that_nobody_drew_on() {
         instance.masks.retain(|key, _| ["0012", "0048"].contains(&key.as_str()));
     }
     let queries = world.queries();
-    let judged = Judged::new(Path::new("truth.json"), &truth, &queries).unwrap();
+    let judged = QueriesWithTruth::new(Path::new("truth.json"), &truth, &queries).unwrap();
     let (capture, out) = (world.capture_dir(), world.out("annotations"));
     let request = ExportRequest {
         judged: Some(&judged),

@@ -21,7 +21,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 use l4d_data::{Camera, Profile};
 use l4d_frames::drawn::{RgbImage, decode_colour};
-use l4d_import::annotations::Judged;
+use l4d_import::annotations::QueriesWithTruth;
 use l4d_import::export::{ExportRequest, Exported, Format, HeldOut, Origin, export};
 
 use support::World;
@@ -85,7 +85,7 @@ pub(crate) fn export_frames(
             Origin::Captured(&capture)
         }
     };
-    let judged = Judged::new(Path::new("truth.json"), &truth, &queries).unwrap();
+    let judged = QueriesWithTruth::new(Path::new("truth.json"), &truth, &queries).unwrap();
     let judged = format.needs_truth().then_some(&judged);
     let request =
         ExportRequest { frames, held_out, points: 2000, judged, ..ExportRequest::new(origin, format, out) };

@@ -11,7 +11,7 @@ use l4d_masks::{Mask, ids, png};
 use l4d_score::judge::Answer;
 use l4d_score::protocols::judge_answers;
 use l4d_score::truth::SceneTruth;
-use l4d_score::{Exam, Options, Protocol, QuerySet, Summary, score_results};
+use l4d_score::{EvalSet, Options, Protocol, QuerySet, Summary, score_results};
 use l4d_testing::foreign::{npy, npy_texts, npz, pth};
 
 use crate::bench::{Bench, SCENE, TEXTS, clip, codes, cup, referent, request};
@@ -36,11 +36,12 @@ fn score(bench: &Bench, imported: &Imported) -> Summary {
     let results = bench.path("results");
     write(&results, &identity, &request, imported, true).unwrap();
     let mut report = Report::default();
-    let exam = Exam::open(bench.open(), Profile::Tiny, QuerySet::Queries, &[], &mut report).unwrap();
+    let eval_set = EvalSet::open(bench.open(), Profile::Tiny, QuerySet::Queries, &[], &mut report).unwrap();
     let card = MethodCard::read(&results.join("theirs/method.json")).unwrap();
     assert_eq!((card.used.depth, card.used.track()), (true, Track::ColourDepth));
     let scored =
-        score_results(&results, &exam, &Options::default(), &bench.path("scores"), false, |_| ()).unwrap();
+        score_results(&results, &eval_set, &Options::default(), &bench.path("scores"), false, |_| ())
+            .unwrap();
     assert!(!scored.report.has_errors(), "{:?}", scored.report);
     scored.summaries.into_iter().next().unwrap()
 }

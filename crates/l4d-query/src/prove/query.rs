@@ -70,8 +70,8 @@ impl<'a> Prover<'a> {
 
     /// Reports everything that is wrong with a query; `path` is its file.
     pub fn check(&self, kind: Kind, path: &Path, query: &Query, report: &mut Report) {
-        let mut exam = Exam { prover: self, kind, path, query, report, is_said: true };
-        exam.run();
+        let mut check = QueryCheck { prover: self, kind, path, query, report, is_said: true };
+        check.run();
     }
 
     /// What is wrong with a query whatever its sentence will be, first the finding that comes first; each description
@@ -79,14 +79,14 @@ impl<'a> Prover<'a> {
     pub fn objection(&self, kind: Kind, query: &Query) -> Option<Finding> {
         let mut report = Report::default();
         let path = Path::new("");
-        let mut exam = Exam { prover: self, kind, path, query, report: &mut report, is_said: false };
-        exam.run();
+        let mut check = QueryCheck { prover: self, kind, path, query, report: &mut report, is_said: false };
+        check.run();
         report.into_sorted().into_iter().next()
     }
 }
 
 /// One query being examined.
-struct Exam<'e, 'a> {
+struct QueryCheck<'e, 'a> {
     prover: &'e Prover<'a>,
     kind: Kind,
     path: &'e Path,
@@ -96,7 +96,7 @@ struct Exam<'e, 'a> {
     is_said: bool,
 }
 
-impl Exam<'_, '_> {
+impl QueryCheck<'_, '_> {
     fn add(&mut self, code: &'static str, message: impl Into<String>, hint: &str) {
         let place = format!("query {} (\"{}\")", self.query.id, self.query.text);
         self.report.error(code, self.path, place, message, hint);

@@ -149,14 +149,14 @@ pub struct LeftOut {
 
 /// What a protocol says of one query.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Judged {
+pub struct QueryScores {
     /// One value a measure of the protocol; none where the query has none.
     pub values: Vec<Option<Value>>,
     /// What was left out.
     pub left_out: Vec<LeftOut>,
 }
 
-impl Judged {
+impl QueryScores {
     /// Values without anything left out.
     pub fn new(values: impl IntoIterator<Item = Option<Value>>) -> Self {
         Self { values: values.into_iter().collect(), left_out: Vec::new() }

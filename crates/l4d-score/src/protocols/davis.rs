@@ -5,7 +5,7 @@
 //! (recall, decay). A query is an object.
 
 use super::boundary::{both, contour, region};
-use super::clip::{Clip, Judged, Seen, Value};
+use super::clip::{Clip, QueryScores, Seen, Value};
 use super::{Averaging, Measure, OnMissing, Rules};
 
 pub(super) const RULES: Rules = Rules {
@@ -34,9 +34,9 @@ const TOO_SHORT: &str = "belong to clips of one or two frames, of which nothing 
 /// Quarters of a clip between which decay is measured.
 const BINS: usize = 4;
 
-fn judge(clip: &Clip<'_>) -> Judged {
+fn judge(clip: &Clip<'_>) -> QueryScores {
     let frames = clip.seen.len();
-    let none = || Judged::new([None; 7]);
+    let none = || QueryScores::new([None; 7]);
     if !clip.seen.first().is_some_and(Seen::is_present) {
         return none().leaving_out(NO_OBJECT, frames);
     }
@@ -50,7 +50,7 @@ fn judge(clip: &Clip<'_>) -> Judged {
     let recall = |values: &[f64]| Value::share(values.iter().map(|&value| value > 0.5));
     let lost = |values: &[f64]| Some(Value::whole(decay(values), values.len()));
     let (j_mean, f_mean) = (mean(&j), mean(&f));
-    Judged::new([both(j_mean, f_mean), j_mean, recall(&j), lost(&j), f_mean, recall(&f), lost(&f)])
+    QueryScores::new([both(j_mean, f_mean), j_mean, recall(&j), lost(&j), f_mean, recall(&f), lost(&f)])
         .leaving_out(ENDS, 2)
 }
 

@@ -5,7 +5,7 @@
 
 use l4d_data::Temporal;
 
-use super::clip::{Clip, Judged, Seen, Value};
+use super::clip::{Clip, QueryScores, Seen, Value};
 use super::langsplat::leaving_out_absent;
 use super::{Averaging, Measure, OnMissing, Rules};
 
@@ -26,10 +26,10 @@ pub(super) const RULES: Rules = Rules {
 
 const NOT_SHOWN: &str = "do not show the object of a sentence about a time: no one annotates them";
 
-fn judge(clip: &Clip<'_>) -> Judged {
+fn judge(clip: &Clip<'_>) -> QueryScores {
     if clip.query.temporal == Temporal::Whole {
         let iou = Value::mean(clip.present().filter_map(Seen::iou));
-        return leaving_out_absent(Judged::new([iou, None, None]), clip);
+        return leaving_out_absent(QueryScores::new([iou, None, None]), clip);
     }
     let annotated = || clip.seen.iter().filter(|seen| seen.visible.is_some());
     let accuracy = Value::share(annotated().map(|seen| seen.holds == (seen.answered > 0)));
@@ -41,5 +41,5 @@ fn judge(clip: &Clip<'_>) -> Judged {
         Value { mean: Value::mean(ious).map_or(0.0, |value| value.mean), frames }
     });
     let hidden = clip.seen.len() - annotated().count();
-    Judged::new([None, viou, accuracy]).leaving_out(NOT_SHOWN, hidden)
+    QueryScores::new([None, viou, accuracy]).leaving_out(NOT_SHOWN, hidden)
 }

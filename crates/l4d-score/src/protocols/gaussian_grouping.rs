@@ -4,7 +4,7 @@
 //! 0.02 of the diagonal deep (Cheng et al., Boundary IoU, 2021).
 
 use super::boundary::boundary_iou;
-use super::clip::{Clip, Judged, Seen, Value};
+use super::clip::{Clip, QueryScores, Seen, Value};
 use super::langsplat::leaving_out_absent;
 use super::{Averaging, Measure, OnMissing, Rules};
 
@@ -23,13 +23,13 @@ pub(super) const RULES: Rules = Rules {
 
 const SKIPPED: &str = "have no answer and are skipped silently, as if they had not been asked";
 
-fn judge(clip: &Clip<'_>) -> Judged {
+fn judge(clip: &Clip<'_>) -> QueryScores {
     let answered = || clip.present().filter(|seen| !seen.is_missing());
     let boundary = answered().filter_map(|seen| {
         let (target, predicted) = (seen.target()?, seen.predicted.as_ref()?);
         boundary_iou(target.mask(), predicted)
     });
-    let judged = Judged::new([Value::mean(answered().filter_map(Seen::iou)), Value::mean(boundary)]);
+    let judged = QueryScores::new([Value::mean(answered().filter_map(Seen::iou)), Value::mean(boundary)]);
     let skipped = clip.present().filter(|seen| seen.is_missing()).count();
     leaving_out_absent(judged, clip).leaving_out(SKIPPED, skipped)
 }

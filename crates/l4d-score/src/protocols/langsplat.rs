@@ -3,7 +3,7 @@
 //! `eval/evaluate_iou_loc.py` lines 141 to 152 and 275 (IoU of the chosen level, mean over all pairs of a scene) and 162
 //! to 217 (localisation). Frames that do not show the object have no annotation, so nothing that is said there counts.
 
-use super::clip::{Clip, Judged, Seen, Value};
+use super::clip::{Clip, QueryScores, Seen, Value};
 use super::{Averaging, Measure, OnMissing, Rules};
 
 pub(super) const RULES: Rules = Rules {
@@ -22,14 +22,14 @@ pub(super) const NOT_SHOWN: &str = "do not show what is asked for: no one annota
 /// The same frames, where a method says something.
 pub(super) const UNSEEN_ALARM: &str = "are false alarms among them, which go unnoticed";
 
-fn judge(clip: &Clip<'_>) -> Judged {
+fn judge(clip: &Clip<'_>) -> QueryScores {
     let iou = Value::mean(clip.present().filter_map(Seen::iou));
     let localisation = Value::share(clip.present().filter_map(is_located));
-    leaving_out_absent(Judged::new([iou, localisation]), clip)
+    leaving_out_absent(QueryScores::new([iou, localisation]), clip)
 }
 
 /// Notes the frames that have no annotation, and what is answered in them.
-pub(super) fn leaving_out_absent(judged: Judged, clip: &Clip<'_>) -> Judged {
+pub(super) fn leaving_out_absent(judged: QueryScores, clip: &Clip<'_>) -> QueryScores {
     let absent = || clip.seen.iter().filter(|seen| !seen.is_present());
     judged
         .leaving_out(NOT_SHOWN, absent().count())

@@ -5,7 +5,7 @@
 //! folder counts 0.
 
 use super::boundary::{both, contour, region};
-use super::clip::{Clip, Judged, Seen, Value};
+use super::clip::{Clip, QueryScores, Seen, Value};
 use super::{Averaging, Measure, OnMissing, Rules};
 
 pub(super) const RULES: Rules = Rules {
@@ -25,15 +25,15 @@ pub(super) const RULES: Rules = Rules {
 const NO_VIDEO: &str = "belong to videos without any answer, which count 0";
 const LOST: &str = "belong to expressions that lack an answer, and such an expression is lost silently";
 
-fn judge(clip: &Clip<'_>) -> Judged {
+fn judge(clip: &Clip<'_>) -> QueryScores {
     let frames = clip.seen.len();
     if !clip.is_scene_answered {
-        return Judged::new([Some(Value::whole(0.0, frames)); 3]).leaving_out(NO_VIDEO, frames);
+        return QueryScores::new([Some(Value::whole(0.0, frames)); 3]).leaving_out(NO_VIDEO, frames);
     }
     if clip.seen.iter().any(Seen::is_missing) {
-        return Judged::new([None; 3]).leaving_out(LOST, frames);
+        return QueryScores::new([None; 3]).leaving_out(LOST, frames);
     }
     let j = Value::mean(clip.seen.iter().map(region));
     let f = Value::mean(clip.seen.iter().map(contour));
-    Judged::new([both(j, f), j, f])
+    QueryScores::new([both(j, f), j, f])
 }

@@ -6,7 +6,7 @@
 //! the mean IoU over the frames with masks, each against the nearest rendered frame, 0 where nothing was answered. A
 //! target that is never there is right, 1, if nothing is ever answered. A query without any answer leaves the mean.
 
-use super::clip::{Clip, Judged, Seen, Value};
+use super::clip::{Clip, QueryScores, Seen, Value};
 use super::{Averaging, Measure, OnMissing, Rules};
 
 pub(super) const RULES: Rules = Rules {
@@ -28,11 +28,11 @@ const LOST: &str = "belong to queries without any answer, and such a query leave
 const NEAREST: &str = "have no answer, and are compared with the nearest frame that has one";
 const BETWEEN: &str = "do not show what is meant, but lie between frames that do, and count as if they did";
 
-fn judge(clip: &Clip<'_>) -> Judged {
+fn judge(clip: &Clip<'_>) -> QueryScores {
     let rendered: Vec<(usize, &Seen<'_>)> =
         clip.seen.iter().enumerate().filter(|(_, seen)| !seen.is_missing()).collect();
     if rendered.is_empty() {
-        return Judged::new([None; 3]).leaving_out(LOST, clip.seen.len());
+        return QueryScores::new([None; 3]).leaving_out(LOST, clip.seen.len());
     }
     let annotated: Vec<usize> = (0..clip.seen.len()).filter(|&place| clip.seen[place].is_present()).collect();
     let ends = annotated.first().zip(annotated.last());
@@ -55,7 +55,7 @@ fn judge(clip: &Clip<'_>) -> Judged {
 
     let lost = annotated.iter().filter(|&&place| clip.seen[place].is_missing()).count();
     let between = places().filter(|&place| is_there(place)).count() - annotated.len();
-    Judged::new([acc, Some(viou), Some(Value::whole(tiou, clip.seen.len()))])
+    QueryScores::new([acc, Some(viou), Some(Value::whole(tiou, clip.seen.len()))])
         .leaving_out(NEAREST, lost)
         .leaving_out(BETWEEN, between)
 }

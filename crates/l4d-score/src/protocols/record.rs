@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use super::Protocol;
-use super::clip::{Judged, LeftOut, Value};
+use super::clip::{LeftOut, QueryScores, Value};
 use super::sheet::{Row, Sheet, file_stem};
-use crate::exam::Exam;
+use crate::eval_set::EvalSet;
 use crate::metrics::Options;
 use crate::summary::{PARTIAL, handicaps};
 
@@ -50,26 +50,26 @@ pub struct Origin {
 
 impl Origin {
     /// Of the method with this card.
-    pub fn new(card: MethodCard, exam: &Exam, options: &Options) -> Self {
+    pub fn new(card: MethodCard, eval_set: &EvalSet, options: &Options) -> Self {
         Self {
             version: card.version,
             link: card.link,
             used: card.used,
             baseline: card.baseline,
-            profile: exam.profile,
+            profile: eval_set.profile,
             benchmark_version: card.benchmark_version,
             truth_digest: card.truth_digest,
-            set: exam.set,
+            set: eval_set.set,
             options: *options,
         }
     }
 
-    /// Whether the masks were judged against the truth and sentences of this exam.
-    pub fn is_of(&self, exam: &Exam) -> bool {
-        self.set == exam.set
-            && self.profile == exam.profile
-            && self.benchmark_version == exam.bench.manifest.version
-            && self.truth_digest == exam.truth_digest
+    /// Whether the masks were judged against the truth and sentences of this evaluation set.
+    pub fn is_of(&self, eval_set: &EvalSet) -> bool {
+        self.set == eval_set.set
+            && self.profile == eval_set.profile
+            && self.benchmark_version == eval_set.bench.manifest.version
+            && self.truth_digest == eval_set.truth_digest
     }
 }
 
@@ -143,9 +143,9 @@ impl Record {
     }
 
     /// What keeps the method from being compared with others as an equal: `baseline`, `used ground truth`, ...
-    pub fn remarks(&self, exam: &Exam) -> Vec<&'static str> {
+    pub fn remarks(&self, eval_set: &EvalSet) -> Vec<&'static str> {
         let Self { origin, sheet } = self;
-        let queries = exam.scenes.iter().flat_map(|scene| &scene.queries);
+        let queries = eval_set.scenes.iter().flat_map(|scene| &scene.queries);
         let asked = queries.filter(|query| origin.options.takes(query)).count();
         let found = [
             (origin.used.depth, "saw rendered depth"),
@@ -211,7 +211,7 @@ fn row((name, scene, number, values): Line, protocol: Protocol) -> Result<Row, S
         _ => Err("has a value without frames".to_owned()),
     };
     let values = values.chunks(2).map(value).collect::<Result<Vec<_>, String>>()?;
-    Ok(Row { id, judged: Judged::new(values) })
+    Ok(Row { id, judged: QueryScores::new(values) })
 }
 
 #[cfg(test)]
@@ -223,7 +223,8 @@ mod tests {
     fn record() -> Record {
         let row = |id: &str, mean: f64, left_out: usize| Row {
             id: id.parse().unwrap(),
-            judged: Judged::new([Some(Value { mean, frames: 3 }), None]).leaving_out("are dropped", left_out),
+            judged: QueryScores::new([Some(Value { mean, frames: 3 }), None])
+                .leaving_out("are dropped", left_out),
         };
         let rows = vec![row("farm/001", 1.0 / 3.0, 2), row("farm/002", 0.7, 0), row("gym/001", 0.0, 5)];
         Record {

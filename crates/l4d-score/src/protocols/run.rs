@@ -10,11 +10,11 @@ use l4d_data::{DataError, Name, Query, QueryId, Report};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use super::clip::{Clip, Judged, Summits};
+use super::clip::{Clip, QueryScores, Summits};
 use super::record::{Origin, Record};
 use super::sheet::{Row, Sheet};
 use super::{OnMissing, Protocol};
-use crate::exam::{Exam, SceneExam};
+use crate::eval_set::{EvalScene, EvalSet};
 use crate::judge::Answer;
 use crate::metrics::{Missing, Options};
 use crate::reading::{Holes, SceneReader};
@@ -36,16 +36,16 @@ pub struct Protocolled {
 
 impl Protocolled {
     /// What `l4d score --protocol NAME --json` prints.
-    pub fn into_document(self, exam: &Exam) -> Value {
+    pub fn into_document(self, eval_set: &EvalSet) -> Value {
         let methods: Vec<Value> = self.sheets.iter().map(Sheet::to_json).collect();
         json!({
             "protocol": self.protocol.as_str(),
             "source": self.protocol.rules().source,
             "is_headline": false,
-            "profile": exam.profile,
-            "set": exam.set,
-            "benchmark_version": exam.bench.manifest.version,
-            "truth_digest": exam.truth_digest,
+            "profile": eval_set.profile,
+            "set": eval_set.set,
+            "benchmark_version": eval_set.bench.manifest.version,
+            "truth_digest": eval_set.truth_digest,
             "remark": self.protocol.rules().remark,
             "methods": methods,
             "findings": self.report.into_sorted(),
@@ -62,7 +62,7 @@ impl Protocolled {
 /// what the disk refuses.
 pub fn judge_results(
     root: &Path,
-    exam: &Exam,
+    eval_set: &EvalSet,
     protocol: Protocol,
     options: &Options,
     scores: &Path,
@@ -73,12 +73,12 @@ pub fn judge_results(
     let resize = options.resize || protocol.rules().resizes;
     let options = Options { resize, ..*options };
     let _lock = FolderLock::take(scores)?;
-    let sheets = each_method(root, exam, resize, &mut report, progress, |dir, card, found| {
-        let sheet = judge_method(dir, &card, exam, protocol, &options, found)?;
+    let sheets = each_method(root, eval_set, resize, &mut report, progress, |dir, card, found| {
+        let sheet = judge_method(dir, &card, eval_set, protocol, &options, found)?;
         if found.has_errors() {
             return Ok(None);
         }
-        let record = Record { origin: Origin::new(card, exam, &options), sheet };
+        let record = Record { origin: Origin::new(card, eval_set, &options), sheet };
         record.write(scores, force)?;
         Ok(Some(record.sheet))
     })?;
@@ -88,15 +88,15 @@ pub fn judge_results(
 fn judge_method(
     dir: &ResultsDir,
     card: &MethodCard,
-    exam: &Exam,
+    eval_set: &EvalSet,
     protocol: Protocol,
     options: &Options,
     report: &mut Report,
 ) -> Result<Sheet, DataError> {
     let mut rows = Vec::new();
     let mut is_partial = false;
-    for scene in &exam.scenes {
-        let truth = exam.truth(scene);
+    for scene in &eval_set.scenes {
+        let truth = eval_set.truth(scene);
         let queries: Vec<&Query> = scene.queries.iter().filter(|query| options.takes(query)).collect();
         let answers = read_scene(dir, scene, &truth, &queries, protocol, options, report);
         is_partial |= options.missing == Missing::Skip
@@ -111,7 +111,7 @@ fn judge_method(
 /// The answers of a method to the queries of a scene, one per annotated frame.
 fn read_scene(
     dir: &ResultsDir,
-    scene: &SceneExam,
+    scene: &EvalScene,
     truth: &SceneTruth,
     queries: &[&Query],
     protocol: Protocol,
@@ -185,7 +185,7 @@ fn judge_scene(
 }
 
 /// A source that stops has no rule for missing answers: what was asked for says what they mean.
-fn judge(protocol: Protocol, mut clip: Clip<'_>, missing: Missing) -> Judged {
+fn judge(protocol: Protocol, mut clip: Clip<'_>, missing: Missing) -> QueryScores {
     if protocol.rules().on_missing == OnMissing::OwnRule {
         return (protocol.rules().judge)(&clip);
     }

@@ -6,7 +6,7 @@
 //! meant and whether anything was answered; cgF1 is their product. N-acc, the no-target accuracy of GRES, is the share of
 //! the sentences that mean nothing for which nothing was answered.
 
-use super::clip::{Clip, Judged, Value};
+use super::clip::{Clip, QueryScores, Value};
 use super::sheet::Row;
 use super::{Averaging, Measure, OnMissing, Rules};
 
@@ -32,7 +32,7 @@ const N_ACC: usize = 3;
 /// What the source adds to denominators of shares of masks, and of sentences.
 const EPSILONS: [f64; 2] = [1e-4, 1e-6];
 
-fn judge(clip: &Clip<'_>) -> Judged {
+fn judge(clip: &Clip<'_>) -> QueryScores {
     let sum = |of: fn(&super::clip::Seen<'_>) -> u64| clip.seen.iter().map(of).sum::<u64>();
     let target = sum(|seen| seen.target().map_or(0, |mask| mask.area()));
     let answered = sum(|seen| seen.answered);
@@ -44,7 +44,7 @@ fn judge(clip: &Clip<'_>) -> Judged {
         0 => (None, whole(is_right)),
         _ => (whole(intersection as f64 / union as f64), None),
     };
-    Judged::new([None, found, whole(is_right), silent])
+    QueryScores::new([None, found, whole(is_right), silent])
 }
 
 /// A number over sentences, 0 to 1 (IL_MCC and cgF1: -1 to 1); none where there is nothing to be found.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use l4d_data::{Name, QueryId};
 use serde_json::{Map, Value as Json, json};
 
-use super::clip::{Judged, LeftOut, Value};
+use super::clip::{LeftOut, QueryScores, Value};
 use super::{Averaging, Measure, Protocol, saco};
 use crate::metrics::mean;
 use crate::table::{NAME_WIDTH, line, percent, wrapped};
@@ -14,7 +14,7 @@ use crate::table::{NAME_WIDTH, line, percent, wrapped};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     pub id: QueryId,
-    pub judged: Judged,
+    pub judged: QueryScores,
 }
 
 /// What a protocol says of one method.

@@ -6,7 +6,7 @@
 //! text beside it says by evaluated ones. Clips of a profile are equally long, so queries weigh the same here.
 
 use super::boundary::region;
-use super::clip::{Clip, Judged, Value};
+use super::clip::{Clip, QueryScores, Value};
 use super::{Averaging, Measure, OnMissing, Rules};
 
 pub(super) const RULES: Rules = Rules {
@@ -22,10 +22,10 @@ pub(super) const RULES: Rules = Rules {
 const FREE: &str = "have no answer and no target, which counts 1";
 const LOST: &str = "have no answer where the target is, which counts 0";
 
-fn judge(clip: &Clip<'_>) -> Judged {
+fn judge(clip: &Clip<'_>) -> QueryScores {
     let accuracy = Value::mean(clip.seen.iter().map(region));
     let missing = |is_present: bool| {
         clip.seen.iter().filter(|seen| seen.is_missing() && seen.is_present() == is_present).count()
     };
-    Judged::new([accuracy]).leaving_out(FREE, missing(false)).leaving_out(LOST, missing(true))
+    QueryScores::new([accuracy]).leaving_out(FREE, missing(false)).leaving_out(LOST, missing(true))
 }

@@ -7,14 +7,14 @@ use l4d_data::{Interval, StageError, Timeline};
 
 /// A moment of the clip.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Moment {
+pub enum ClipTime {
     /// A frame of the timeline.
     Frame(u32),
     /// Seconds since the first frame.
     Seconds(f64),
 }
 
-impl FromStr for Moment {
+impl FromStr for ClipTime {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -27,7 +27,7 @@ impl FromStr for Moment {
     }
 }
 
-impl fmt::Display for Moment {
+impl fmt::Display for ClipTime {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Frame(frame) => write!(f, "{frame}"),
@@ -36,7 +36,7 @@ impl fmt::Display for Moment {
     }
 }
 
-impl Moment {
+impl ClipTime {
     /// The nearest frame, which may be beyond the clip.
     fn frame(self, timeline: Timeline) -> u32 {
         match self {
@@ -54,7 +54,7 @@ impl Moment {
 /// # Errors
 /// Moments beyond the clip, and an end before its start.
 pub(super) fn interval(
-    [from, to]: [Option<Moment>; 2],
+    [from, to]: [Option<ClipTime>; 2],
     timeline: Timeline,
 ) -> Result<Option<Interval>, StageError> {
     let whole = timeline.whole();
@@ -71,7 +71,7 @@ pub(super) fn interval(
             ));
         }
     }
-    let frame = |moment: Option<Moment>, usual| moment.map_or(usual, |moment| moment.frame(timeline));
+    let frame = |moment: Option<ClipTime>, usual| moment.map_or(usual, |moment| moment.frame(timeline));
     let range = Interval::new(frame(from, whole.first()), frame(to, whole.last())).map_err(|error| {
         StageError::new(format!("--from, --to: {error}"), "give the first moment to --from, the last to --to")
     })?;
@@ -80,7 +80,7 @@ pub(super) fn interval(
 
 /// A sentence without what it says of seconds ("between second 1 and second 2", "after second 3", "before second 1.5"),
 /// and that; none if it says nothing of them.
-pub(super) fn in_sentence(text: &str) -> Option<(String, [Option<Moment>; 2])> {
+pub(super) fn in_sentence(text: &str) -> Option<(String, [Option<ClipTime>; 2])> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let plain: Vec<String> = words
         .iter()
@@ -96,7 +96,7 @@ pub(super) fn in_sentence(text: &str) -> Option<(String, [Option<Moment>; 2])> {
 }
 
 /// Words that speak of seconds at the beginning of these: how many, and what they say.
-fn span_at(words: &[&str]) -> Option<(usize, [Option<Moment>; 2])> {
+fn span_at(words: &[&str]) -> Option<(usize, [Option<ClipTime>; 2])> {
     let (first, rest) = words.split_first()?;
     let (from, used) = second(rest)?;
     match *first {
@@ -106,7 +106,7 @@ fn span_at(words: &[&str]) -> Option<(usize, [Option<Moment>; 2])> {
             let (joint, rest) = rest[used..].split_first()?;
             let is_joint = matches!((*first, *joint), ("between", "and") | ("from", "to" | "until"));
             // "from second 1 to 2": the unit is said once.
-            let bare = || Some((Moment::Seconds(number(rest.first()?)?), 1));
+            let bare = || Some((ClipTime::Seconds(number(rest.first()?)?), 1));
             let (to, more) = is_joint.then(|| second(rest).or_else(bare)).flatten()?;
             Some((2 + used + more, [Some(from), Some(to)]))
         }
@@ -115,12 +115,12 @@ fn span_at(words: &[&str]) -> Option<(usize, [Option<Moment>; 2])> {
 }
 
 /// "second 1.5" or "1.5 seconds", and of how many words.
-fn second(words: &[&str]) -> Option<(Moment, usize)> {
+fn second(words: &[&str]) -> Option<(ClipTime, usize)> {
     let is_unit = |word: &str| matches!(word, "second" | "seconds" | "sec" | "s");
     match words {
-        [unit, at, ..] if is_unit(unit) => Some((Moment::Seconds(number(at)?), 2)),
-        [at, unit, ..] if is_unit(unit) => Some((Moment::Seconds(number(at)?), 2)),
-        [at, ..] => at.strip_suffix('s').and_then(number).map(|at| (Moment::Seconds(at), 1)),
+        [unit, at, ..] if is_unit(unit) => Some((ClipTime::Seconds(number(at)?), 2)),
+        [at, unit, ..] if is_unit(unit) => Some((ClipTime::Seconds(number(at)?), 2)),
+        [at, ..] => at.strip_suffix('s').and_then(number).map(|at| (ClipTime::Seconds(at), 1)),
         [] => None,
     }
 }
@@ -133,26 +133,26 @@ fn number(word: &(impl AsRef<str> + ?Sized)) -> Option<f64> {
 mod tests {
     use super::*;
 
-    fn seconds(from: Option<f64>, to: Option<f64>) -> [Option<Moment>; 2] {
-        [from, to].map(|at| at.map(Moment::Seconds))
+    fn seconds(from: Option<f64>, to: Option<f64>) -> [Option<ClipTime>; 2] {
+        [from, to].map(|at| at.map(ClipTime::Seconds))
     }
 
     #[test]
     fn moments_are_frames_or_seconds_within_the_clip() {
-        assert_eq!("24".parse(), Ok(Moment::Frame(24)));
-        assert_eq!("1.5s".parse(), Ok(Moment::Seconds(1.5)));
+        assert_eq!("24".parse(), Ok(ClipTime::Frame(24)));
+        assert_eq!("1.5s".parse(), Ok(ClipTime::Seconds(1.5)));
         for text in ["", "s", "-1", "-1s", "infs", "1.5", "two"] {
-            assert!(text.parse::<Moment>().is_err(), "{text}");
+            assert!(text.parse::<ClipTime>().is_err(), "{text}");
         }
         let whole = Timeline::CANONICAL;
         let range =
             |from, to| interval([from, to], whole).map(|range| range.map(|it| (it.first(), it.last())));
         assert_eq!(range(None, None).unwrap(), None);
-        assert_eq!(range(Some(Moment::Seconds(1.0)), Some(Moment::Frame(48))).unwrap(), Some((24, 48)));
-        let error = range(None, Some(Moment::Seconds(9.0))).unwrap_err().to_string();
+        assert_eq!(range(Some(ClipTime::Seconds(1.0)), Some(ClipTime::Frame(48))).unwrap(), Some((24, 48)));
+        let error = range(None, Some(ClipTime::Seconds(9.0))).unwrap_err().to_string();
         assert!(error.contains("--to 9s is beyond the clip"), "{error}");
-        assert!(range(Some(Moment::Seconds(f64::from(u32::MAX))), None).is_err());
-        assert!(range(Some(Moment::Frame(9)), Some(Moment::Frame(3))).is_err());
+        assert!(range(Some(ClipTime::Seconds(f64::from(u32::MAX))), None).is_err());
+        assert!(range(Some(ClipTime::Frame(9)), Some(ClipTime::Frame(3))).is_err());
     }
 
     #[test]

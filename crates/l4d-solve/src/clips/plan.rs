@@ -18,7 +18,7 @@ pub struct PictureIndex {
 
 /// A time that is drawn.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Instant {
+pub struct DrawnTime {
     pub key: String,
     /// Number on the timeline; none for times between frames, at which moving cameras have no pose.
     pub frame: Option<u32>,
@@ -26,7 +26,7 @@ pub struct Instant {
     pub time: f32,
 }
 
-impl Instant {
+impl DrawnTime {
     pub(crate) fn at_frame(frame: u32, timeline: Timeline) -> Self {
         Self { key: frame_key(frame), frame: Some(frame), time: timeline.time(frame) }
     }
@@ -36,7 +36,7 @@ impl Instant {
 ///
 /// # Errors
 /// A time outside 0 to 1, or a camera that moves: it is known at frames alone.
-pub(crate) fn instants_at(times: &[f32], cameras: &[Camera]) -> Result<Vec<Instant>, StageError> {
+pub(crate) fn instants_at(times: &[f32], cameras: &[Camera]) -> Result<Vec<DrawnTime>, StageError> {
     if let Some(time) = times.iter().find(|time| !(0.0..=1.0).contains(*time)) {
         return Err(StageError::new(format!("time {time} is outside the clip"), "times are 0 to 1"));
     }
@@ -46,8 +46,8 @@ pub(crate) fn instants_at(times: &[f32], cameras: &[Camera]) -> Result<Vec<Insta
             "choose frames instead of times",
         ));
     }
-    let instant = |&time: &f32| Instant { key: format!("t{time:.6}"), frame: None, time };
-    let mut instants: Vec<Instant> = times.iter().map(instant).collect();
+    let instant = |&time: &f32| DrawnTime { key: format!("t{time:.6}"), frame: None, time };
+    let mut instants: Vec<DrawnTime> = times.iter().map(instant).collect();
     instants.sort_by(|a, b| a.time.total_cmp(&b.time));
     instants.dedup_by(|a, b| a.key == b.key);
     Ok(instants)
@@ -62,7 +62,7 @@ pub struct Plan {
     /// Width and height of the pictures, pixels.
     pub size: [u32; 2],
     /// When, ascending.
-    pub instants: Vec<Instant>,
+    pub instants: Vec<DrawnTime>,
 }
 
 impl Plan {
@@ -73,7 +73,7 @@ impl Plan {
         frames: impl IntoIterator<Item = u32>,
         timeline: Timeline,
     ) -> Self {
-        let instants = frames.into_iter().map(|frame| Instant::at_frame(frame, timeline)).collect();
+        let instants = frames.into_iter().map(|frame| DrawnTime::at_frame(frame, timeline)).collect();
         Self { cameras, camera_size, size: camera_size, instants }
     }
 
@@ -84,7 +84,7 @@ impl Plan {
     }
 
     /// The camera and the time of a picture.
-    pub(crate) fn of(&self, index: PictureIndex) -> (&Camera, &Instant) {
+    pub(crate) fn of(&self, index: PictureIndex) -> (&Camera, &DrawnTime) {
         (&self.cameras[index.view], &self.instants[index.instant])
     }
 

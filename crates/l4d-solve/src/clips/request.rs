@@ -9,7 +9,7 @@ use l4d_splat::checkpoint::foreign::Moments;
 use l4d_splat::checkpoint::own::Sampling;
 use l4d_splat::source::{ReaderOptions, Source};
 
-use super::{Flight, Instant, Plan, instants_at};
+use super::{DrawnTime, Flight, Plan, instants_at};
 
 /// What a user asks for; whatever is left out gets its default.
 #[derive(Debug)]
@@ -130,10 +130,10 @@ fn chosen(cameras: Vec<Camera>, views: &[String]) -> Result<Vec<Camera>, StageEr
 }
 
 /// Instants at these frames, ascending; at those of the clip if there are none.
-fn instants(frames: &[u32], clip_frames: &[u32], timeline: Timeline) -> Result<Vec<Instant>, StageError> {
+fn instants(frames: &[u32], clip_frames: &[u32], timeline: Timeline) -> Result<Vec<DrawnTime>, StageError> {
     let frames = timeline.chosen(frames, clip_frames)?;
     if frames.is_empty() {
         return Err(StageError::new("nothing says when", "name a scene, --frames or --times"));
     }
-    Ok(frames.into_iter().map(|frame| Instant::at_frame(frame, timeline)).collect())
+    Ok(frames.into_iter().map(|frame| DrawnTime::at_frame(frame, timeline)).collect())
 }

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::error::{LiftError, check_ranges};
-use super::evidence::{Evidence, Instant};
+use super::evidence::{Evidence, TimeEvidence};
 use super::labels::Labels;
 use super::rendered_model::RenderedModel;
 use graph::Graph;
@@ -136,8 +136,8 @@ fn step_times(votes: &[Votes], state_of: &[u32], most: u32) -> Vec<usize> {
 }
 
 /// At most `most` of the times at which a mask shows something.
-fn threshold_times(instants: &[Instant<'_>], most: u32) -> Vec<usize> {
-    let shows = |instant: &Instant<'_>| instant.pictures.iter().any(|picture| !picture.mask.is_empty());
+fn threshold_times(instants: &[TimeEvidence<'_>], most: u32) -> Vec<usize> {
+    let shows = |instant: &TimeEvidence<'_>| instant.pictures.iter().any(|picture| !picture.mask.is_empty());
     let shown: Vec<usize> = (0..instants.len()).filter(|&time| shows(&instants[time])).collect();
     spread_over(shown.len(), most).into_iter().map(|index| shown[index]).collect()
 }

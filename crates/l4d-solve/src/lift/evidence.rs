@@ -75,7 +75,7 @@ pub(super) struct Picture<'a> {
 
 /// All pictures of one time.
 #[derive(Debug, Clone)]
-pub(super) struct Instant<'a> {
+pub(super) struct TimeEvidence<'a> {
     /// From 0 to 1.
     pub(super) time: f32,
     /// In the order of the views.
@@ -87,7 +87,7 @@ impl Evidence {
     ///
     /// # Errors
     /// A mask that does not have the size of its view.
-    pub(super) fn instants(&self) -> Result<Vec<Instant<'_>>, LiftError> {
+    pub(super) fn instants(&self) -> Result<Vec<TimeEvidence<'_>>, LiftError> {
         // Bits of times, which are never negative, are in the order of the times.
         let mut by_time: BTreeMap<u32, Vec<Picture<'_>>> = BTreeMap::new();
         for view in &self.views {
@@ -104,7 +104,7 @@ impl Evidence {
                 by_time.entry(seen.time.to_bits()).or_default().push(picture);
             }
         }
-        let instant = |(bits, pictures)| Instant { time: f32::from_bits(bits), pictures };
+        let instant = |(bits, pictures)| TimeEvidence { time: f32::from_bits(bits), pictures };
         Ok(by_time.into_iter().map(instant).collect())
     }
 }

@@ -109,7 +109,7 @@ pub(super) fn check_time(time: f32) -> Result<(), LiftError> {
 
 /// What the cache has of one time.
 #[derive(Debug, Default)]
-struct Moment {
+struct KeptState {
     state: OnceLock<Arc<Splats>>,
     /// For each Gaussian the sum of its blend weights over all pixels of a view.
     seen: Mutex<Vec<(View, Arc<[f32]>)>>,
@@ -120,13 +120,13 @@ struct Moment {
 #[derive(Debug, Default)]
 pub struct ModelStates {
     /// By the bits of the time (`f32::to_bits`).
-    kept: BTreeMap<u32, Moment>,
+    kept: BTreeMap<u32, KeptState>,
 }
 
 impl ModelStates {
     /// An empty cache for these times; each state is computed when it is first asked for.
     pub fn at(times: impl IntoIterator<Item = f32>) -> Self {
-        Self { kept: times.into_iter().map(|time| (time.to_bits(), Moment::default())).collect() }
+        Self { kept: times.into_iter().map(|time| (time.to_bits(), KeptState::default())).collect() }
     }
 
     /// The state at a time: from the cache, else from `work_out`.
@@ -138,7 +138,7 @@ impl ModelStates {
         time: f32,
         work_out: impl FnOnce() -> Result<Splats, LiftError>,
     ) -> Result<Arc<Splats>, LiftError> {
-        let Some(Moment { state, .. }) = self.kept.get(&time.to_bits()) else {
+        let Some(KeptState { state, .. }) = self.kept.get(&time.to_bits()) else {
             return work_out().map(Arc::new);
         };
         match state.get() {
@@ -158,7 +158,7 @@ impl ModelStates {
 
     /// Keeps these sums, if the time is one of the clip and the view has none yet.
     pub(super) fn keep_seen(&self, time: f32, view: &View, sums: &Arc<[f32]>) {
-        if let Some(Moment { seen, .. }) = self.kept.get(&time.to_bits()) {
+        if let Some(KeptState { seen, .. }) = self.kept.get(&time.to_bits()) {
             let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
             if seen.iter().all(|(from, _)| from != view) {
                 seen.push((*view, Arc::clone(sums)));

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::subject::{Key, Subject};
 use super::variants::Variant;
 use super::{Result, plain};
-use crate::clip::{ClipError, Moment};
+use crate::clip::{ClipError, TimeViews};
 use crate::raster::{Drawing, RasterSettings, Rasterizer, Reference};
 use crate::train::decibels;
 
@@ -42,7 +42,7 @@ impl Truth {
     pub(super) fn draw(subject: &Subject) -> Result<Self> {
         let book = Reference;
         let mut pictures = Vec::new();
-        for Moment { time, views } in subject.moments(subject.size)? {
+        for TimeViews { time, views } in subject.moments(subject.size)? {
             let splats = subject.model.at(time).map_err(plain)?;
             let drawn = views.par_iter().map(|(_, view)| {
                 let drawing = book.prepare(&splats, view, &RasterSettings::default());
@@ -99,7 +99,7 @@ fn pass(subject: &Subject, variant: &Variant<'_>) -> Result<(Vec<(Key, Drawing)>
     let (rasterizer, settings) = (&variant.backend.rasterizer, RasterSettings::default());
     let mut times = Times::default();
     let mut drawings = Vec::new();
-    for Moment { time, views } in subject.moments(variant.size)? {
+    for TimeViews { time, views } in subject.moments(variant.size)? {
         let start = Instant::now();
         let splats = variant.model.at(time).map_err(|source| plain(ClipError::Model { time, source }))?;
         times.deform_ms.push(milliseconds(start));

@@ -8,7 +8,7 @@ use l4d_frames::exr::read_frame;
 
 use super::{Result, SpeedRequest, plain};
 use crate::Model;
-use crate::clip::Moment;
+use crate::clip::TimeViews;
 use crate::model::time_of_frame;
 use crate::source::{ReaderOptions, Source};
 use crate::synthetic::Room;
@@ -119,17 +119,17 @@ impl Subject {
     }
 
     /// All pictures, in a size.
-    pub(super) fn moments(&self, size: [u32; 2]) -> Result<Vec<Moment<Key>>> {
+    pub(super) fn moments(&self, size: [u32; 2]) -> Result<Vec<TimeViews<Key>>> {
         self.moments_of(&self.cameras, &self.frames, size)
     }
 
     /// Small pictures from all training cameras at some times, that rank Gaussians.
-    pub(super) fn training_moments(&self) -> Result<Vec<Moment<Key>>> {
+    pub(super) fn training_moments(&self) -> Result<Vec<TimeViews<Key>>> {
         let size = self.size.map(|side| side.div_ceil(2));
         self.moments_of(&self.training, &evenly(&self.all_frames, RANKING_TIMES), size)
     }
 
-    fn moments_of(&self, cameras: &[Camera], frames: &[u32], size: [u32; 2]) -> Result<Vec<Moment<Key>>> {
+    fn moments_of(&self, cameras: &[Camera], frames: &[u32], size: [u32; 2]) -> Result<Vec<TimeViews<Key>>> {
         let moment = |(time, &frame): (usize, &u32)| {
             let view = |(camera, from): (usize, &Camera)| {
                 Ok((
@@ -138,7 +138,7 @@ impl Subject {
                 ))
             };
             let views = cameras.iter().enumerate().map(view).collect::<Result<_>>()?;
-            Ok(Moment { time: time_of_frame(frame), views })
+            Ok(TimeViews { time: time_of_frame(frame), views })
         };
         frames.iter().enumerate().map(moment).collect()
     }

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::subject::Subject;
 use super::{Result, plain};
 use crate::Model;
-use crate::clip::{ClipError, Moment};
+use crate::clip::{ClipError, TimeViews};
 use crate::deform::DeformationField;
 use crate::raster::{Cpu, RasterSettings, Rasterizer};
 
@@ -111,10 +111,10 @@ fn blend_weight_sums<Key: Sync>(
     model: &Model,
     rasterizer: &dyn Rasterizer,
     settings: &RasterSettings,
-    moments: &[Moment<Key>],
+    moments: &[TimeViews<Key>],
 ) -> Result<Vec<f64>, ClipError> {
     let mut sums = vec![0.0; model.gaussians.len()];
-    for Moment { time, views } in moments {
+    for TimeViews { time, views } in moments {
         let time = *time;
         let splats = model.at(time).map_err(|source| ClipError::Model { time, source })?;
         let seen: Vec<Vec<f32>> = views
@@ -170,7 +170,7 @@ mod tests {
         let room = Room::small(11);
         let views: Vec<((), _)> =
             room.views([32, 24]).unwrap().into_iter().take(3).map(|view| ((), view)).collect();
-        let moments = [Moment { time: 0.25, views: views.clone() }];
+        let moments = [TimeViews { time: 0.25, views: views.clone() }];
         let settings = RasterSettings::default();
         let model = room.model().unwrap();
         let total: f64 = blend_weight_sums(&model, &Cpu::new(), &settings, &moments).unwrap().iter().sum();

@@ -12,7 +12,7 @@ use l4d_data::{Benchmark, DataError, Name, Query, QueryId, Report, StageError, j
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::Judged;
+use super::JudgedRound;
 use super::statuses::{self, StatusChange};
 use crate::agreement::{Agreement, measure};
 use crate::item::ItemId;
@@ -50,7 +50,7 @@ struct Remembered {
 ///
 /// # Errors
 /// Files that l4d did not write, unless `force`, and a round that another run writes into.
-pub fn claim(judged: &Judged, force: bool) -> Result<Claim, StageError> {
+pub fn claim(judged: &JudgedRound, force: bool) -> Result<Claim, StageError> {
     let files = [judged.dir.verdicts(), judged.dir.agreement(), judged.dir.refine()];
     let earlier = Earlier { file: "agreement.json", says: "l4d/agreement/" };
     Ok(judged.dir.claim(&files, earlier, force)?)
@@ -60,7 +60,7 @@ pub fn claim(judged: &Judged, force: bool) -> Result<Claim, StageError> {
 ///
 /// # Errors
 /// Queries that cannot be read, or what the disk refuses.
-pub fn write(judged: &Judged, agreement: &Agreement, bench: &Benchmark) -> Result<(), StageError> {
+pub fn write(judged: &JudgedRound, agreement: &Agreement, bench: &Benchmark) -> Result<(), StageError> {
     let texts = current_texts(judged, bench)?;
     let open = judged.verdicts.items.iter().filter(|verdict| verdict.outcome != Outcome::Valid);
     let refine: Vec<Value> = open.map(|verdict| refine(verdict, texts.get(&verdict.query))).collect();
@@ -72,7 +72,7 @@ pub fn write(judged: &Judged, agreement: &Agreement, bench: &Benchmark) -> Resul
 ///
 /// # Errors
 /// What the disk refuses.
-pub fn pronounce(judged: &Judged) -> Result<(), StageError> {
+pub fn pronounce(judged: &JudgedRound) -> Result<(), StageError> {
     Ok(write_atomic(&judged.dir.verdicts(), &verdict_bytes(judged)?)?)
 }
 
@@ -80,7 +80,7 @@ pub fn pronounce(judged: &Judged) -> Result<(), StageError> {
 ///
 /// # Errors
 /// Files that cannot be read.
-pub fn check(judged: &Judged, rounds: &Path, bench: &Benchmark) -> Result<Report, StageError> {
+pub fn check(judged: &JudgedRound, rounds: &Path, bench: &Benchmark) -> Result<Report, StageError> {
     let mut report = Report::default();
     judged.findings().into_iter().for_each(|finding| report.add(finding));
     let agreement = measure(&judged.round, &judged.key, &judged.responses);
@@ -105,8 +105,8 @@ pub fn check(judged: &Judged, rounds: &Path, bench: &Benchmark) -> Result<Report
 }
 
 /// What `l4d verdict --json` prints.
-pub fn document(judged: &Judged, agreement: &Agreement, changes: &[StatusChange]) -> Value {
-    let Judged { round, verdicts, .. } = judged;
+pub fn document(judged: &JudgedRound, agreement: &Agreement, changes: &[StatusChange]) -> Value {
+    let JudgedRound { round, verdicts, .. } = judged;
     let verdict = |verdict: &ItemVerdict| {
         json!({
             "item": verdict.item,
@@ -136,7 +136,7 @@ pub fn document(judged: &Judged, agreement: &Agreement, changes: &[StatusChange]
 }
 
 /// The prompts as they read now.
-fn current_texts(judged: &Judged, bench: &Benchmark) -> Result<BTreeMap<QueryId, String>, StageError> {
+fn current_texts(judged: &JudgedRound, bench: &Benchmark) -> Result<BTreeMap<QueryId, String>, StageError> {
     let mut texts = BTreeMap::new();
     for scene in judged.scenes(bench) {
         let queries: Vec<Query> = [bench.queries(scene)?, bench.composites(scene)?].concat();
@@ -149,8 +149,8 @@ fn agreement_bytes(agreement: &Agreement) -> Result<Vec<u8>, StageError> {
     Ok((serde_json::to_string_pretty(agreement)? + "\n").into_bytes())
 }
 
-fn verdict_bytes(judged: &Judged) -> Result<Vec<u8>, StageError> {
-    let Judged { round, verdicts, changes, .. } = judged;
+fn verdict_bytes(judged: &JudgedRound) -> Result<Vec<u8>, StageError> {
+    let JudgedRound { round, verdicts, changes, .. } = judged;
     verdicts_csv(round, verdicts, changes).map_err(|error| StageError::of(&error, "run `l4d verdict` again"))
 }
 

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use l4d_data::status::set_statuses;
 use l4d_data::{Benchmark, DataError, Query, QueryId, StageError, Status};
 
-use super::Judged;
+use super::JudgedRound;
 use crate::verdict::Outcome;
 
 /// For each query whose present wording people have judged: verified or rejected, where and how.
@@ -21,15 +21,15 @@ impl Evidence {
     /// Judges every sealed round of people in a folder of rounds.
     ///
     /// # Errors
-    /// As [`Judged::read`].
+    /// As [`JudgedRound::read`].
     pub fn gather(rounds: &Path, bench: &Benchmark) -> Result<Self, StageError> {
         let mut evidence = Self::default();
-        Judged::read_all(rounds, bench)?.iter().for_each(|judged| evidence.add(judged));
+        JudgedRound::read_all(rounds, bench)?.iter().for_each(|judged| evidence.add(judged));
         Ok(evidence)
     }
 
     /// Takes in what a round says, if people have sealed it.
-    pub fn add(&mut self, judged: &Judged) {
+    pub fn add(&mut self, judged: &JudgedRound) {
         if !judged.counts() {
             return;
         }
@@ -80,7 +80,11 @@ pub struct StatusChange {
 ///
 /// # Errors
 /// Queries or rounds that cannot be read.
-pub fn changes(judged: &Judged, rounds: &Path, bench: &Benchmark) -> Result<Vec<StatusChange>, StageError> {
+pub fn changes(
+    judged: &JudgedRound,
+    rounds: &Path,
+    bench: &Benchmark,
+) -> Result<Vec<StatusChange>, StageError> {
     if judged.round.simulated {
         return Ok(Vec::new());
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use l4d_data::{Category, Status};
 
-use super::Judged;
+use super::JudgedRound;
 use super::statuses::StatusChange;
 use crate::agreement::{Agreement, Annotator, Coefficients, Group};
 use crate::control::Consistency;
@@ -15,7 +15,7 @@ const LEGEND: &str =
     "a letter each: + right, x other objects, 0 none, ? ambiguous, t other frames, s skipped";
 
 /// Per category, per annotator, and what was rejected.
-pub fn render(judged: &Judged, agreement: &Agreement) -> String {
+pub fn render(judged: &JudgedRound, agreement: &Agreement) -> String {
     let of = |category: &Category| {
         let all = judged.verdicts.items.iter();
         all.filter(|verdict| verdict.categories.contains(category)).collect::<Vec<&ItemVerdict>>()
@@ -56,8 +56,8 @@ pub fn render(judged: &Judged, agreement: &Agreement) -> String {
     lines.join("\n")
 }
 
-fn heading(judged: &Judged) -> Vec<String> {
-    let Judged { round, verdicts, .. } = judged;
+fn heading(judged: &JudgedRound) -> Vec<String> {
+    let JudgedRound { round, verdicts, .. } = judged;
     let mut lines = Vec::new();
     if round.simulated {
         lines.push("SIMULATED: programs voted, or people who were trying the tool.".to_owned());
@@ -117,7 +117,7 @@ fn kept(consistency: &Consistency) -> String {
     }
 }
 
-fn rejected_lines(judged: &Judged) -> Vec<String> {
+fn rejected_lines(judged: &JudgedRound) -> Vec<String> {
     let rejected = judged.verdicts.items.iter().filter(|verdict| verdict.outcome == Outcome::Rejected);
     let mut lines = Vec::new();
     for verdict in rejected {
@@ -134,7 +134,7 @@ fn rejected_lines(judged: &Judged) -> Vec<String> {
 }
 
 /// What became of the status of the queries.
-pub fn status_line(judged: &Judged, changes: &[StatusChange]) -> String {
+pub fn status_line(judged: &JudgedRound, changes: &[StatusChange]) -> String {
     if judged.round.simulated {
         return "simulated round: no query has another status for it".to_owned();
     }

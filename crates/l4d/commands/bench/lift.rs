@@ -4,7 +4,7 @@ use anyhow::Result;
 use l4d_data::{Benchmark, Report};
 use l4d_experiments::lift::{LiftRequest, bench, text};
 use l4d_ground::oracle::NoisePreset;
-use l4d_score::{Exam, QuerySet};
+use l4d_score::{EvalSet, QuerySet};
 use serde_json::json;
 
 use super::claim;
@@ -16,11 +16,11 @@ pub(crate) fn run(args: &BenchLiftArgs, out: &Printer) -> Result<ExitStatus> {
     let opened = rasterizer::open(&args.adapter.adapter)?;
     let bench_folder = Benchmark::open(&args.bench)?;
     let space = args.work.space(args.profile);
-    let exam =
-        Exam::open(bench_folder, args.profile, QuerySet::Queries, &args.scenes, &mut Report::default())?;
+    let eval_set =
+        EvalSet::open(bench_folder, args.profile, QuerySet::Queries, &args.scenes, &mut Report::default())?;
     let folder = args.out.clone().unwrap_or_else(|| space.shared().bench("lift"));
     let request = LiftRequest {
-        exam: &exam,
+        eval_set: &eval_set,
         space: &space,
         noise: args.noise.as_deref().map(NoisePreset::read).transpose()?,
         views: args.view_count as usize,

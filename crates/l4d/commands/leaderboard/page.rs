@@ -7,14 +7,14 @@ use anyhow::Result;
 use l4d_board::{LONGEST_SIDE_PX, Media};
 use l4d_data::{Name, Report};
 use l4d_frames::backdrop::Backdrop;
-use l4d_score::Exam;
+use l4d_score::EvalSet;
 
 use crate::cli::judging::LeaderboardArgs;
 use crate::out::Printer;
 
 pub(super) fn with_media<T>(
     args: &LeaderboardArgs,
-    exam: &Exam,
+    eval_set: &EvalSet,
     out: &Printer,
     publish: impl FnOnce(&Media<'_>) -> Result<T>,
 ) -> Result<T> {
@@ -25,27 +25,28 @@ pub(super) fn with_media<T>(
             args.results.display()
         ));
     }
-    let backdrops = backdrops(args, exam, out)?;
+    let backdrops = backdrops(args, eval_set, out)?;
     let jpeg = |scene: &Name, frame: u32| {
         let found = backdrops.get(scene)?.jpeg(frame);
         found.inspect_err(|error| tracing::warn!("no picture under the masks: {error}")).ok()
     };
     let found = Mutex::new(Report::default());
-    let published = publish(&Media { exam, results, backdrop: &jpeg, found: &found })?;
+    let published = publish(&Media { eval_set, results, backdrop: &jpeg, found: &found })?;
     out.warnings(found.into_inner().unwrap_or_else(PoisonError::into_inner));
     Ok(published)
 }
 
 /// The held-out views of the scenes that are rendered.
-fn backdrops(args: &LeaderboardArgs, exam: &Exam, out: &Printer) -> Result<BTreeMap<Name, Backdrop>> {
+fn backdrops(args: &LeaderboardArgs, eval_set: &EvalSet, out: &Printer) -> Result<BTreeMap<Name, Backdrop>> {
     let mut backdrops = BTreeMap::new();
     let Some(data) = &args.data else { return Ok(backdrops) };
-    for scene in &exam.scenes {
-        let found = Backdrop::open(data, &scene.name, exam.profile, scene.truth.variant, LONGEST_SIDE_PX)?;
+    for scene in &eval_set.scenes {
+        let found =
+            Backdrop::open(data, &scene.name, eval_set.profile, scene.truth.variant, LONGEST_SIDE_PX)?;
         backdrops.extend(found.map(|backdrop| (scene.name.clone(), backdrop)));
     }
-    if backdrops.len() < exam.scenes.len() {
-        let (there, all) = (backdrops.len(), exam.scenes.len());
+    if backdrops.len() < eval_set.scenes.len() {
+        let (there, all) = (backdrops.len(), eval_set.scenes.len());
         out.warn(format!("{}: holds {there} of {all} scenes; the others have no pictures", data.display()));
     }
     Ok(backdrops)

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use anyhow::Result;
 use l4d_data::{Benchmark, QueryId};
 use l4d_votes::key::Change;
-use l4d_votes::{Evidence, Judged};
+use l4d_votes::{Evidence, JudgedRound};
 use l4d_votes::{ItemVerdict, Outcome};
 
 use crate::cli::annotation::OpenRoundArgs;
@@ -19,7 +19,7 @@ pub(super) fn left_by(
     bench: &Benchmark,
     out: &Printer,
 ) -> Result<BTreeSet<QueryId>> {
-    let judged = Judged::read(&args.rounds, earlier, bench)?;
+    let judged = JudgedRound::read(&args.rounds, earlier, bench)?;
     judged.require_sealed()?;
     let chosen = bench.select(&args.bench.scenes)?;
     let here = judged.now.items.iter().filter(|item| chosen.contains(&item.query.scene));

@@ -11,7 +11,7 @@ use l4d_data::{Name, Query, QueryId, json};
 use l4d_ground::Outcome;
 use l4d_score::metrics::{QueryTally, taken};
 use l4d_score::score::{counts_path, tallies_of_counts};
-use l4d_score::{Exam, Options, counts};
+use l4d_score::{EvalSet, Options, counts};
 use l4d_solve::consensus::{Consensus, Decision, ViewVerdict};
 use l4d_solve::grounded::outcomes;
 
@@ -69,18 +69,18 @@ impl fmt::Display for Why {
 
 /// How the queries of one scene ended for a method, in their order.
 pub(super) fn endings<'a>(
-    exam: &'a Exam,
+    eval_set: &'a EvalSet,
     scene: &Name,
     method: &Name,
     work: &WorkDir,
     scores: &std::path::Path,
 ) -> Result<Vec<Ending<'a>>> {
     let rows = counts::read(&counts_path(scores, method))?;
-    let tallies: BTreeMap<QueryId, QueryTally> = tallies_of_counts(&rows, exam, &Options::default())
+    let tallies: BTreeMap<QueryId, QueryTally> = tallies_of_counts(&rows, eval_set, &Options::default())
         .into_iter()
         .map(|tally| (tally.facts.id.clone(), tally))
         .collect();
-    let queries = exam.scenes.iter().filter(|of| of.name == *scene).flat_map(|of| &of.queries);
+    let queries = eval_set.scenes.iter().filter(|of| of.name == *scene).flat_map(|of| &of.queries);
     let mut endings = Vec::new();
     for query in queries {
         let Some(tally) = tallies.get(&query.id) else { continue };

@@ -4,7 +4,7 @@ use anyhow::Result;
 use l4d_data::Report;
 use l4d_data::workspace::default_scores;
 use l4d_score::protocols::{Protocolled, judge_results, render};
-use l4d_score::{Exam, Options, Protocol};
+use l4d_score::{EvalSet, Options, Protocol};
 
 use crate::cli::judging::ScoreArgs;
 use crate::out::{ExitStatus, Printer};
@@ -12,19 +12,20 @@ use crate::out::{ExitStatus, Printer};
 pub(super) fn run(
     args: &ScoreArgs,
     protocol: Protocol,
-    exam: &Exam,
+    eval_set: &EvalSet,
     options: &Options,
     mut report: Report,
     out: &Printer,
 ) -> Result<ExitStatus> {
     let scores =
-        args.scores.clone().unwrap_or_else(|| default_scores(exam.set.as_str(), Some(protocol.as_str())));
+        args.scores.clone().unwrap_or_else(|| default_scores(eval_set.set.as_str(), Some(protocol.as_str())));
     let progress = |name: &str| out.note(format!("read {name}"));
-    let mut judged = judge_results(&args.results, exam, protocol, options, &scores, args.force, progress)?;
+    let mut judged =
+        judge_results(&args.results, eval_set, protocol, options, &scores, args.force, progress)?;
     report.extend(std::mem::take(&mut judged.report));
     let status = Printer::status(&report);
     if args.json {
-        out.json(&Protocolled { report, ..judged }.into_document(exam))?;
+        out.json(&Protocolled { report, ..judged }.into_document(eval_set))?;
         return Ok(status);
     }
     if !judged.sheets.is_empty() {

@@ -14,7 +14,7 @@ use crate::points::ColouredPoint;
 const DEPTH_TOLERANCE: f64 = 0.01;
 
 /// What the training cameras saw at a moment.
-pub(in crate::export) struct Moment<'a> {
+pub(in crate::export) struct SeenFrame<'a> {
     views: Vec<View<'a>>,
     frame: u32,
 }
@@ -26,7 +26,7 @@ pub(in crate::export) struct View<'a> {
     surfaces: Surfaces,
 }
 
-impl<'a> Moment<'a> {
+impl<'a> SeenFrame<'a> {
     pub(in crate::export) fn new(views: Vec<View<'a>>, frame: u32) -> Self {
         Self { views, frame }
     }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::{Material, SceneViews};
 use crate::export::HeldOut;
-use crate::export::cloud::{Cloud, Moment, View};
+use crate::export::cloud::{Cloud, SeenFrame, View};
 
 pub(super) struct Rendering {
     dir: SceneDir,
@@ -77,6 +77,6 @@ impl Rendering {
             let seen = self.frame(camera, frame)?;
             Ok(View::new(camera, self.shown(&seen), seen.surfaces))
         });
-        Ok(Cloud::Depth(Moment::new(views.collect::<Result<_, DataError>>()?, frame)))
+        Ok(Cloud::Depth(SeenFrame::new(views.collect::<Result<_, DataError>>()?, frame)))
     }
 }

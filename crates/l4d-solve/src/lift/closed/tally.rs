@@ -6,7 +6,7 @@ use l4d_splat::splats::Splats;
 use rayon::prelude::*;
 
 use crate::lift::error::LiftError;
-use crate::lift::evidence::{Instant, Picture, numbers};
+use crate::lift::evidence::{Picture, TimeEvidence, numbers};
 use crate::lift::rendered_model::RenderedModel;
 
 /// For one time and each Gaussian, sums of blend weights over the pixels of all views.
@@ -22,7 +22,7 @@ pub(super) struct Votes {
 pub(super) fn votes(
     rendered: &RenderedModel<'_>,
     splats: &Splats,
-    instant: &Instant<'_>,
+    instant: &TimeEvidence<'_>,
 ) -> Result<Votes, LiftError> {
     let views = instant.pictures.par_iter().map(|picture| ballot(rendered, splats, instant.time, picture));
     let (inside, seen): (Vec<Vec<f32>>, Vec<Arc<[f32]>>) =
@@ -66,7 +66,7 @@ fn ballot(
 pub(super) fn residual(
     rendered: &RenderedModel<'_>,
     splats: &Splats,
-    instant: &Instant<'_>,
+    instant: &TimeEvidence<'_>,
     labels: &[f32],
 ) -> Result<Vec<f32>, LiftError> {
     let views = instant.pictures.par_iter().map(|picture| {

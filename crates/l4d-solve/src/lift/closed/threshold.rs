@@ -7,7 +7,7 @@ use l4d_splat::splats::Splats;
 use rayon::prelude::*;
 
 use crate::lift::error::LiftError;
-use crate::lift::evidence::{Instant, Picture, numbers};
+use crate::lift::evidence::{Picture, TimeEvidence, numbers};
 use crate::lift::labels::HALF;
 use crate::lift::rendered_model::RenderedModel;
 
@@ -27,7 +27,7 @@ impl Fit {
         &mut self,
         rendered: &RenderedModel<'_>,
         splats: &Splats,
-        instant: &Instant<'_>,
+        instant: &TimeEvidence<'_>,
         labels: &[f32],
     ) -> Result<(), LiftError> {
         let hard: Vec<f32> =

@@ -1,4 +1,4 @@
-//! The exam of a proposal: everything that can be checked without a person, and nothing that a model says of itself.
+//! The check of a proposal: everything that can be checked without a person, and nothing that a model says of itself.
 //!
 //! Numbers, wording, look-alikes, intervals and visibility are checked of every proposal; one with a predicate is
 //! also proved, by the very proof that `check-queries` runs.
@@ -36,7 +36,7 @@ pub(super) enum Outcome {
 
 /// Examines the proposals of one scene; what was taken counts against those that follow.
 #[derive(Debug)]
-pub(super) struct Exam<'a> {
+pub(super) struct Screening<'a> {
     prover: Prover<'a>,
     set: &'a SceneSet,
     scene: &'a Scene,
@@ -47,11 +47,11 @@ pub(super) struct Exam<'a> {
     numbers: BTreeSet<u32>,
 }
 
-impl<'a> Exam<'a> {
-    /// An exam against the queries that the scene has.
+impl<'a> Screening<'a> {
+    /// A check against the queries that the scene has.
     pub(super) fn new(set: &'a SceneSet, scene: &'a Scene, vocabulary: Option<&'a Vocabulary>) -> Self {
         let prover = Prover::new(&set.tracks, set.truth.as_ref(), vocabulary);
-        let mut exam = Self {
+        let mut screening = Self {
             prover,
             set,
             scene,
@@ -62,9 +62,9 @@ impl<'a> Exam<'a> {
             numbers: BTreeSet::new(),
         };
         for query in [&set.queries, &set.composites, &set.absents].into_iter().flatten() {
-            exam.take(query);
+            screening.take(query);
         }
-        exam
+        screening
     }
 
     /// Examines one proposal.

@@ -132,7 +132,7 @@ fn judge(set: &SceneSet, proposal: &Proposal) -> Outcome {
         "the cup that hand lifts while it is lifted by a wobbles white rolls bowl nearest to tray blue left of behind as"
             .split(' ')
             .collect();
-    Exam::new(set, &rendering(&set.tracks, Profile::Tiny), Some(&vocabulary)).judge(proposal, model())
+    Screening::new(set, &rendering(&set.tracks, Profile::Tiny), Some(&vocabulary)).judge(proposal, model())
 }
 
 /// Codes of the reasons of a proposal about the kitchen that must fail.
@@ -256,9 +256,9 @@ fn what_cannot_be_seen_is_not_asked_for() {
 fn what_was_taken_counts_against_the_next() {
     let set = kitchen();
     let scene = rendering(&set.tracks, Profile::Tiny);
-    let mut exam = Exam::new(&set, &scene, None);
+    let mut screening = Screening::new(&set, &scene, None);
     let mut judge = |text: &str, predicate: &str| {
-        exam.judge(&proposal("interaction", text, &[1], &[], predicate), model())
+        screening.judge(&proposal("interaction", text, &[1], &[], predicate), model())
     };
     let is_candidate = |outcome: &Outcome| matches!(outcome, Outcome::Candidate(_));
     let failed_with = |outcome: Outcome, code: &str| match outcome {
@@ -283,7 +283,7 @@ fn what_was_taken_counts_against_the_next() {
 
 /// Runs over all shipped queries as if none of a scene's single queries existed yet: a check that refuses what is sound
 /// is as wrong as one that takes what is not.
-fn for_each_query(mut check: impl FnMut(&mut Exam<'_>, &Query, &Tracks)) {
+fn for_each_query(mut check: impl FnMut(&mut Screening<'_>, &Query, &Tracks)) {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../benchmark");
     let bench = Benchmark::open(root).unwrap();
     let vocabulary = Vocabulary::read(&bench.dir.vocabulary()).unwrap();
@@ -292,9 +292,9 @@ fn for_each_query(mut check: impl FnMut(&mut Exam<'_>, &Query, &Tracks)) {
         let mut set = SceneSet::read(&bench, Profile::Small, name, &mut Report::default()).unwrap();
         let queries = std::mem::take(&mut set.queries);
         let scene = rendering(&set.tracks, Profile::Small);
-        let mut exam = Exam::new(&set, &scene, vocabulary.as_ref());
+        let mut screening = Screening::new(&set, &scene, vocabulary.as_ref());
         count += queries.len();
-        queries.iter().for_each(|query| check(&mut exam, query, &set.tracks));
+        queries.iter().for_each(|query| check(&mut screening, query, &set.tracks));
     }
     assert!(count >= 250, "only {count} queries were tried");
 }
@@ -316,7 +316,7 @@ fn proposed(query: &Query, tracks: &Tracks) -> Proposal {
 
 #[test]
 fn every_shipped_query_would_be_a_candidate() {
-    for_each_query(|exam, query, tracks| match exam.judge(&proposed(query, tracks), model()) {
+    for_each_query(|screening, query, tracks| match screening.judge(&proposed(query, tracks), model()) {
         Outcome::Candidate(candidate) => {
             let same = Query { id: query.id.clone(), provenance: query.provenance.clone(), ..candidate };
             assert_eq!(same, Query { status: Status::Candidate, ..query.clone() });
@@ -327,14 +327,14 @@ fn every_shipped_query_would_be_a_candidate() {
 
 #[test]
 fn no_look_alike_passes_for_the_referent() {
-    for_each_query(|exam, query, tracks| {
+    for_each_query(|screening, query, tracks| {
         let truthful = proposed(query, tracks);
         let category = &tracks.instance(&query.referents[0]).unwrap().category;
         for (index, other) in tracks.instances.iter().enumerate() {
             let is_look_alike = other.category == *category && other.name != query.referents[0];
             if other.role == Role::Object && is_look_alike {
                 let lie = Proposal { referents: vec![index as u32 + 1], ..truthful.clone() };
-                let outcome = exam.judge(&lie, model());
+                let outcome = screening.judge(&lie, model());
                 assert!(
                     matches!(outcome, Outcome::Failed(_)),
                     "{} for {}: {outcome:?}",

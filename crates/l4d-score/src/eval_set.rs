@@ -15,7 +15,7 @@ use crate::truth::SceneTruth;
 
 /// The benchmark as seen by the judge, for one profile.
 #[derive(Debug, Clone)]
-pub struct Exam {
+pub struct EvalSet {
     /// Where everything is read from.
     pub bench: Benchmark,
     /// The profile whose truth counts.
@@ -27,14 +27,14 @@ pub struct Exam {
     /// Canonical frames of a rendered clip, ascending; none for real scenes, which have their own.
     pub clip: Vec<u32>,
     /// The scenes asked about, in table order.
-    pub scenes: Vec<SceneExam>,
+    pub scenes: Vec<EvalScene>,
     /// Bytes of masks that a method may have: [`MOST_BYTES`], unless the caller says otherwise.
     pub most_bytes: u64,
 }
 
-/// One scene of an exam.
+/// One scene of it.
 #[derive(Debug, Clone)]
-pub struct SceneExam {
+pub struct EvalScene {
     pub name: Name,
     /// Its spatial scale.
     pub scale: Scale,
@@ -56,7 +56,7 @@ pub struct SceneExam {
     pub truth: Arc<Truth>,
 }
 
-impl SceneExam {
+impl EvalScene {
     /// None, and a finding, if a file is lacking and `may_lack` one.
     fn open(
         bench: &Benchmark,
@@ -99,7 +99,7 @@ impl SceneExam {
     }
 }
 
-impl Exam {
+impl EvalSet {
     /// Reads what is asked about some scenes; none means all that have queries and truth, and those without are
     /// reported.
     ///
@@ -113,10 +113,10 @@ impl Exam {
         report: &mut Report,
     ) -> Result<Self, DataError> {
         let truth_digest = bench.truth_digest(profile)?;
-        let opened: Vec<Result<(Option<SceneExam>, Report), DataError>> = bench
+        let opened: Vec<Result<(Option<EvalScene>, Report), DataError>> = bench
             .select(wanted)?
             .into_par_iter()
-            .map(|name| SceneExam::open(&bench, profile, set, name, wanted.is_empty()))
+            .map(|name| EvalScene::open(&bench, profile, set, name, wanted.is_empty()))
             .collect();
         let mut scenes = Vec::new();
         for opened in opened {
@@ -141,7 +141,7 @@ impl Exam {
     }
 
     /// The truth of a scene.
-    pub fn truth(&self, scene: &SceneExam) -> SceneTruth {
+    pub fn truth(&self, scene: &EvalScene) -> SceneTruth {
         SceneTruth::of(&scene.truth)
     }
 
