@@ -27,7 +27,7 @@ CHOICES = {
     "four times the iterations": ["--coarse", "1600", "--unfold", "120", "--fine", "4000", "--patience", "0"],
     "no unfolding": ["--unfold", "0"],
     "everything dynamic": ["--dynamic-threshold", "0"],
-    "nothing dynamic": ["--dynamic-threshold", "1.1"],
+    "movers alone dynamic": ["--dynamic-threshold", "1.1"],
     "harmonics of degree 0": ["--sh-degree", "0"],
     "harmonics of degree 3": ["--sh-degree", "3"],
     "one view an iteration": ["--views-per-iteration", "1"],
@@ -91,7 +91,7 @@ def figure(rows):
         return x, top + height * (best - row["psnr_db"]) / (best - worst)
 
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{left + width + 20}" height="{top + height + 50}"'
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{left + width + 230}" height="{top + height + 50}"'
         ' font-family="sans-serif" font-size="12">',
         '<rect width="100%" height="100%" fill="white"/>',
     ]
@@ -104,21 +104,18 @@ def figure(rows):
         lines.append(f'<line x1="{left}" y1="{y:.1f}" x2="{left + width}" y2="{y:.1f}" stroke="#ddd"/>')
         lines.append(f'<text x="{left - 8}" y="{y + 4:.1f}" text-anchor="end">{decibels}</text>')
     along = " ".join(f"{x:.1f},{y:.1f}" for x, y in sorted(map(place, front(rows))))
-    lines.append(f'<polyline points="{along}" fill="none" stroke="#888" stroke-width="2"/>')
-    taken = []
-    for row in sorted(rows, key=lambda row: -row["psnr_db"]):
+    lines.append(f'<polyline points="{along}" fill="none" stroke="#bbb" stroke-width="2"/>')
+    for number, row in enumerate(rows, 1):
         x, y = place(row)
         colour = {"default": "#c40", "with depth": "#27a"}.get(row["choice"], "#222")
+        # Neighbours in time have their numbers on different sides.
+        turn = sorted(rows, key=lambda row: row["cpu_s"]).index(row) % 4
+        across, down, anchor = [(8, 4, "start"), (0, -8, "middle"), (0, 17, "middle"), (-7, 4, "end")][turn]
         lines.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}"/>')
-        ends = x > left + 0.6 * width
-        below = y + 4
-        while any(abs(below - other) < 13 and abs(x - beside) < 220 for beside, other in taken):
-            below += 13
-        taken.append((x, below))
-        anchor, shift = ("end", -8) if ends else ("start", 8)
-        lines.append(
-            f'<text x="{x + shift:.1f}" y="{below:.1f}" text-anchor="{anchor}" fill="{colour}">{row["choice"]}</text>'
-        )
+        at = f'<text x="{x + across:.1f}" y="{y + down:.1f}" text-anchor="{anchor}" fill="{colour}">'
+        lines.append(f"{at}{number}</text>")
+        beside = f'<text x="{left + width + 20}" y="{top + 20 * number}" fill="{colour}">'
+        lines.append(f"{beside}{number}  {row['choice']}</text>")
     lines.append(f'<text x="{left}" y="{top - 10}">PSNR of the held-out view, dB</text>')
     lines.append(
         f'<text x="{left + width}" y="{top + height + 38}" text-anchor="end">processor seconds a scene</text></svg>'
