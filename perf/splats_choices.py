@@ -15,6 +15,7 @@ import json
 import os
 import resource
 import subprocess
+from math import ceil, floor, log2
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -80,8 +81,6 @@ def front(rows):
 
 def figure(rows):
     """Time to the right on a logarithmic axis, PSNR upwards; the front is a line."""
-    from math import ceil, floor, log2
-
     left, top, width, height = 60, 30, 640, 340
     low, high = floor(log2(min(row["cpu_s"] for row in rows))), ceil(log2(max(row["cpu_s"] for row in rows)))
     worst, best = floor(min(row["psnr_db"] for row in rows)), ceil(max(row["psnr_db"] for row in rows))

@@ -117,7 +117,7 @@ fn learned(world: &World, views: &TrainingViews, initial: &InitialPoints) -> Qua
     let region = |camera: usize, moment: usize| {
         let moving: Vec<bool> =
             (0..truth.pixel_count()).map(|pixel| motion.moves(&truth, camera, moment, pixel)).collect();
-        Region { depth: vec![true; moving.len()], moving }
+        Region { depth: vec![true; moving.len()], moving, structure: false }
     };
     let picks: Vec<(usize, usize)> = (0..MOMENTS).map(|moment| (0, moment)).collect();
     measure(trainer.model(), &cpu, &truth, &picks, &region).unwrap()

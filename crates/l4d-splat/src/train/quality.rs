@@ -17,6 +17,8 @@ pub(crate) struct Region {
     pub(crate) moving: Vec<bool>,
     /// Pixels in which depth counts.
     pub(crate) depth: Vec<bool>,
+    /// Whether structure is compared as well, which takes longer than drawing the picture.
+    pub(crate) structure: bool,
 }
 
 /// Errors over a set of pictures.
@@ -25,7 +27,8 @@ pub(crate) struct Quality {
     pub(crate) pictures: usize,
     /// Mean over pictures of the peak signal-to-noise ratio of display colour, dB.
     pub(crate) psnr_db: f64,
-    /// Mean over pictures of their structural similarity; none for pictures of fewer than 11 pixels a side.
+    /// Mean over pictures of their structural similarity; none where it was not asked for, or for pictures of fewer than 11
+    /// pixels a side.
     pub(crate) ssim: Option<f64>,
     /// The ratio over all moving pixels of all pictures; none if nothing moves.
     pub(crate) psnr_moving_db: Option<f64>,
@@ -119,7 +122,7 @@ fn compare(
     let [width, _] = views.size();
     Errors {
         psnr_db: decibels(squares / colour.len().max(1) as f64),
-        ssim: ssim(&drawn, &seen, width as usize),
+        ssim: region.structure.then(|| ssim(&drawn, &seen, width as usize)).flatten(),
         moving,
         depth_m,
     }

@@ -39,18 +39,25 @@ fn blur(values: &[f64], width: usize) -> Vec<f64> {
     let weights: Vec<f64> =
         (0..=2 * HALF).map(|k| (-0.5 * ((k as f64 - HALF as f64) / SIGMA).powi(2)).exp()).collect();
     let total: f64 = weights.iter().sum();
-    let mean = |window: &mut dyn Iterator<Item = f64>| {
-        std::iter::zip(&weights, window).map(|(weight, value)| weight * value).sum::<f64>() / total
-    };
     let within = width - 2 * HALF;
-    let along: Vec<f64> = values
-        .chunks_exact(width)
-        .flat_map(|row| {
-            row.windows(2 * HALF + 1).map(|window| mean(&mut window.iter().copied())).collect::<Vec<_>>()
-        })
-        .collect();
-    let rows = along.len() / within - 2 * HALF;
-    (0..rows * within).map(|place| mean(&mut along[place..].iter().copied().step_by(within))).collect()
+    let mut along = vec![0.0; values.len() / width * within];
+    for (sums, row) in along.chunks_exact_mut(within).zip(values.chunks_exact(width)) {
+        for (k, weight) in weights.iter().enumerate() {
+            add(sums, &row[k..], weight / total);
+        }
+    }
+    let mut means = vec![0.0; along.len() - 2 * HALF * within];
+    for (k, weight) in weights.iter().enumerate() {
+        add(&mut means, &along[k * within..], weight / total);
+    }
+    means
+}
+
+/// Adds values, each times the weight.
+fn add(sums: &mut [f64], values: &[f64], weight: f64) {
+    for (sum, value) in std::iter::zip(sums, values) {
+        *sum += weight * value;
+    }
 }
 
 #[cfg(test)]

@@ -278,7 +278,7 @@ impl<'a> Trainer<'a> {
             let moving: Vec<bool> = (0..self.views.pixel_count())
                 .map(|pixel| self.motion.moves(self.views, camera, moment, pixel))
                 .collect();
-            Region { depth: moving.clone(), moving }
+            Region { depth: moving.clone(), moving, structure: false }
         };
         measure(&self.state.model, self.rasterizer, self.views, picks, &region)
     }

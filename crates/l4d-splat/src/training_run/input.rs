@@ -71,7 +71,7 @@ impl HeldOut {
         let moving = (0..self.views.pixel_count())
             .map(|pixel| self.motion.moves(&self.views, 0, moment, pixel))
             .collect();
-        Region { moving, depth: self.objects.get(moment).cloned().unwrap_or_default() }
+        Region { moving, depth: self.objects.get(moment).cloned().unwrap_or_default(), structure: true }
     }
 }
 
