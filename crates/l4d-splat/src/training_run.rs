@@ -97,6 +97,8 @@ pub fn train_scene(request: &TrainingRequest<'_>, progress: &dyn Progress) -> Re
     };
     let settings = Settings {
         depth_weight: if request.sees_depth { request.settings.depth_weight } else { 0.0 },
+        // Where depth says where surfaces are, dropout gains nothing.
+        dropout: if request.sees_depth { 0.0 } else { request.settings.dropout },
         ..request.settings.clone()
     };
     progress.start("reading", source.picture_count());

@@ -52,6 +52,9 @@ pub struct Settings {
     pub views: usize,
     /// Weight of the depth loss beside the colour loss: display colour per typical depth.
     pub depth_weight: f32,
+    /// Share of the Gaussians that sits out an iteration, at the end of training; at its start none does. Without
+    /// depth alone.
+    pub dropout: f32,
     /// Training stops after so many evaluations on training pictures without progress; 0: never early.
     pub patience: usize,
     /// Channels of the deformation field's planes (HexPlane).
@@ -75,6 +78,7 @@ impl Default for Settings {
             fine: 4000,
             views: 2,
             depth_weight: 0.1,
+            dropout: 0.2,
             patience: 3,
             channels: 16,
             resolution: 48,
@@ -166,6 +170,7 @@ impl Settings {
                 unfold: 0,
                 fine: 14_000,
                 views: 4,
+                dropout: 0.0,
                 patience: 0,
                 channels: 16,
                 resolution: 64,

@@ -37,9 +37,12 @@ const NEIGHBOURS: usize = 6;
 /// Cosine of the widest angle between the axes of views that are compared.
 const LEAST_COSINE: f64 = 0.5;
 /// Most planes of a sweep.
-const PLANES: usize = 256;
-/// Parallax of the nearest plane, in widths of the picture.
-const NEAREST: f64 = 0.8;
+const PLANES: usize = 512;
+/// At the nearest plane another view still shows this share of the picture.
+const STILL_SEEN: f64 = 0.35;
+/// Widest parallax of the nearest plane, and the step in which it is looked for, widths of the picture.
+const WIDEST: f32 = 6.0;
+const WIDENING: f32 = 0.1;
 
 /// A picture and from where it was taken.
 #[derive(Debug, Clone, Copy)]
@@ -58,12 +61,20 @@ struct PlaneSweep {
 }
 
 impl PlaneSweep {
-    /// Planes for a view and another camera `baseline_m` beside it.
-    fn new(view: &View, baseline_m: f64) -> Self {
-        let focal_px = view.focal()[0];
-        let parallax_px = NEAREST * f64::from(view.width());
-        let planes = (parallax_px.ceil() as usize).clamp(2, PLANES);
-        Self { step: (parallax_px / planes as f64 / (focal_px * baseline_m)) as f32, planes }
+    /// Planes for a view and another one, `baseline_m` away: as near as the other one still shows enough of the picture.
+    /// Where cameras turn towards a thing close to them, that is several widths of parallax away from what is far.
+    fn new(view: &View, other: &View, baseline_m: f64) -> Self {
+        let pixel = (1.0 / (view.focal()[0] * baseline_m)) as f32;
+        let width = view.width() as f32;
+        let steps = (WIDEST / WIDENING) as u32;
+        let inverse_depth = |step: u32| step as f32 * WIDENING * width * pixel;
+        let nearest = (1..=steps)
+            .rev()
+            .map(inverse_depth)
+            .find(|inverse| seen_share(view, other, *inverse) >= STILL_SEEN);
+        let nearest = nearest.unwrap_or(width * pixel);
+        let planes = ((nearest / pixel).ceil() as usize).clamp(2, PLANES);
+        Self { step: nearest / planes as f32, planes }
     }
 
     /// Of a plane, 1/m; the first one includes everything that is farther.
@@ -72,11 +83,23 @@ impl PlaneSweep {
     }
 }
 
+/// How much of a picture at an inverse depth, 1/m, another view shows, 0 to 1; 64 places are asked.
+fn seen_share(view: &View, other: &View, inverse: f32) -> f64 {
+    let [from, to] = [view, other].map(Pinhole::new);
+    let size = [view.width(), view.height()].map(|side| side as f32);
+    let place = |index: u32| [0, 3].map(|shift| ((index >> shift & 7) as f32 + 0.5) / 8.0);
+    let is_seen = |index: &u32| {
+        let [x, y] = place(*index);
+        to.pixel(from.world([x * size[0], y * size[1]], 1.0 / inverse)).is_some()
+    };
+    (0..64).filter(is_seen).count() as f64 / 64.0
+}
+
 /// The planes for a view among others; none if it has no neighbours.
 fn sweep(views: &[&View], reference: usize) -> Option<PlaneSweep> {
     let near = neighbours(views, reference);
-    let (_, baseline_m) = *near.get(near.len() / 2)?;
-    Some(PlaneSweep::new(views[reference], baseline_m))
+    let (other, baseline_m) = *near.get(near.len() / 2)?;
+    Some(PlaneSweep::new(views[reference], views[other], baseline_m))
 }
 
 /// Depths of one view, not yet compared with those of others.
@@ -237,6 +260,30 @@ mod tests {
         println!("right {right:.3}, wrong {wrong:.3}, unknown {unknown:.3}");
         // Pictures of 48 pixels, of which the outer ones see what no neighbour does: 0.65, 0.17 and 0.18.
         assert!(right > 0.6 && wrong < 0.2, "right {right:.3}, wrong {wrong:.3}, unknown {unknown:.3}");
+    }
+
+    #[test]
+    fn planes_reach_what_two_cameras_turn_to_close_by() {
+        // A metre from the origin, half a right angle apart, and parallel ones as far apart.
+        let turned = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            let pose = [[cos, 0.0, sin, 0.0], [0.0, 1.0, 0.0, 0.0], [-sin, 0.0, cos, 1.0]];
+            View::new([128, 96], [200.0; 2], [64.0, 48.0], pose).unwrap()
+        };
+        let beside = |x: f64| {
+            let pose = [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+            View::new([128, 96], [200.0; 2], [64.0, 48.0], pose).unwrap()
+        };
+        let nearest_m = |[one, other]: [View; 2]| {
+            let sweep = sweep(&[&one, &other], 0).unwrap();
+            assert!(sweep.planes < PLANES, "{} planes", sweep.planes);
+            1.0 / (sweep.step * sweep.planes as f32)
+        };
+        let near_m = nearest_m([turned(0.0), turned(0.7854)]);
+        assert!((0.5..0.9).contains(&near_m), "{near_m} m");
+        // Parallax of 0.6 to 0.7 widths.
+        let near_m = nearest_m([beside(0.0), beside(0.7654)]);
+        assert!((1.7..2.0).contains(&near_m), "{near_m} m");
     }
 
     #[test]

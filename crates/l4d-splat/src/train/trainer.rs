@@ -2,6 +2,7 @@
 //! training resumes from a checkpoint as if it had never stopped. Writes no files.
 
 mod density_control;
+mod dropout;
 mod step;
 mod targets;
 

@@ -4,13 +4,15 @@ use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
 use super::super::TrainError;
-use super::super::loss::{Target, loss_gradients};
+use super::super::loss::{LossGradients, Target, loss_gradients};
 use super::super::scene_stats::sample;
 use super::super::state::State;
 use super::super::time_span::Span;
 use super::Trainer;
+use super::dropout::Dropout;
 use crate::gaussians::Gaussians;
 use crate::optimise::{GroupUpdate, PlaneWeights, plane_penalty};
+use crate::splats::Splats;
 
 /// Every so many fine iterations look at whole pictures, the others at what changes.
 const WHOLE: u64 = 8;
@@ -32,8 +34,7 @@ impl Trainer<'_> {
             .filter_map(|camera| self.background_target(camera))
             .collect();
         let splats = self.state.model.gaussians.activate()?;
-        let result = loss_gradients(self.rasterizer, &splats, &targets, None, self.weights)?;
-        self.note(&result, splats.opacities());
+        let result = self.loss_gradients(splats, &targets, None, random)?;
         let mut by_gaussians = result.gradients.through_activation(&self.state.model.gaussians);
         self.freeze_backdrop(&mut by_gaussians);
         self.state.update_gaussians(self.state.iteration, &by_gaussians)?;
@@ -66,9 +67,8 @@ impl Trainer<'_> {
         }
         let splats = raw.activate()?;
         // Parts of pictures are about what moves; static Gaussians there have been learned without the noise of one moment.
-        let trainable = (!whole && model.field.is_some()).then_some(self.state.moves.as_slice());
-        let result = loss_gradients(self.rasterizer, &splats, &targets, trainable, self.weights)?;
-        self.note(&result, splats.opacities());
+        let trainable = (!whole && model.field.is_some()).then(|| self.state.moves.clone());
+        let result = self.loss_gradients(splats, &targets, trainable.as_deref(), random)?;
         let mut by_gaussians = result.gradients.through_activation(&raw);
         self.freeze_backdrop(&mut by_gaussians);
         let step = self.state.iteration - self.schedule.fine_start();
@@ -95,6 +95,26 @@ impl Trainer<'_> {
         }
         self.state.update_gaussians(step, &by_gaussians)?;
         Ok(result.loss)
+    }
+}
+
+impl Trainer<'_> {
+    /// What the targets say to the Gaussians, of which some sit out.
+    fn loss_gradients(
+        &mut self,
+        splats: Splats,
+        targets: &[Target],
+        trainable: Option<&[bool]>,
+        random: &mut ChaCha8Rng,
+    ) -> Result<LossGradients, TrainError> {
+        let opacities = splats.opacities().to_vec();
+        let way = self.state.iteration as f64 / self.schedule.end() as f64;
+        let dropout = Dropout::draw(splats.len(), f64::from(self.settings.dropout) * way, random);
+        let shown = dropout.applied(splats)?;
+        let mut result = loss_gradients(self.rasterizer, &shown, targets, trainable, self.weights)?;
+        dropout.backward(&shown, &mut result);
+        self.note(&result, &opacities);
+        Ok(result)
     }
 }
 
