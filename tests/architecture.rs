@@ -135,9 +135,10 @@ fn verbs_import_no_verbs() {
 
 /// Lines of all sources with their tests. Who adds to one says here why it has to grow, or finds what can go: Rust grew by
 /// 1500 for depth from pictures alone (`l4d-splat/src/train/stereo`) and for results and sums of two more evaluations,
-/// and by 150 for the settings of 4DGaussians and SSIM, by which others compare.
+/// by 150 for the settings of 4DGaussians and SSIM, by which others compare, and by 160 for what brought models from
+/// colour alone a decibel: planes of stereo that reach what cameras turn to, and dropout.
 const BUDGETS: [(&str, &[&str], usize); 2] =
-    [("rs", &["crates", "tests", "fuzz"], 151_450), ("py", &["blender_scripts"], 58_000)];
+    [("rs", &["crates", "tests", "fuzz"], 151_610), ("py", &["blender_scripts"], 58_000)];
 
 #[test]
 fn sources_stay_within_their_budget() {
