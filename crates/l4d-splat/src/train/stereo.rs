@@ -279,7 +279,7 @@ mod tests {
             assert!(sweep.planes < PLANES, "{} planes", sweep.planes);
             1.0 / (sweep.step * sweep.planes as f32)
         };
-        let near_m = nearest_m([turned(0.0), turned(0.7854)]);
+        let near_m = nearest_m([turned(0.0), turned(std::f64::consts::FRAC_PI_4)]);
         assert!((0.5..0.9).contains(&near_m), "{near_m} m");
         // Parallax of 0.6 to 0.7 widths.
         let near_m = nearest_m([beside(0.0), beside(0.7654)]);
