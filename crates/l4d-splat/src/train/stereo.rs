@@ -65,13 +65,14 @@ impl PlaneSweep {
     /// Where cameras turn towards a thing close to them, that is several widths of parallax away from what is far.
     fn new(view: &View, other: &View, baseline_m: f64) -> Self {
         let pixel = (1.0 / (view.focal()[0] * baseline_m)) as f32;
-        let width = view.width() as f32;
+        let pinholes = [view, other].map(Pinhole::new);
+        let size @ [width, _] = [view.width(), view.height()].map(|side| side as f32);
         let steps = (WIDEST / WIDENING) as u32;
         let inverse_depth = |step: u32| step as f32 * WIDENING * width * pixel;
         let nearest = (1..=steps)
             .rev()
             .map(inverse_depth)
-            .find(|inverse| seen_share(view, other, *inverse) >= STILL_SEEN);
+            .find(|inverse| seen_share(&pinholes, size, *inverse) >= STILL_SEEN);
         let nearest = nearest.unwrap_or(width * pixel);
         let planes = ((nearest / pixel).ceil() as usize).clamp(2, PLANES);
         Self { step: nearest / planes as f32, planes }
@@ -83,10 +84,8 @@ impl PlaneSweep {
     }
 }
 
-/// How much of a picture at an inverse depth, 1/m, another view shows, 0 to 1; 64 places are asked.
-fn seen_share(view: &View, other: &View, inverse: f32) -> f64 {
-    let [from, to] = [view, other].map(Pinhole::new);
-    let size = [view.width(), view.height()].map(|side| side as f32);
+/// How much of a picture of `size` at an inverse depth, 1/m, another view shows, 0 to 1; 64 places are asked.
+fn seen_share([from, to]: &[Pinhole; 2], size: [f32; 2], inverse: f32) -> f64 {
     let place = |index: u32| [0, 3].map(|shift| ((index >> shift & 7) as f32 + 0.5) / 8.0);
     let is_seen = |index: &u32| {
         let [x, y] = place(*index);

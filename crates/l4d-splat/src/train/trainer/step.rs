@@ -96,9 +96,7 @@ impl Trainer<'_> {
         self.state.update_gaussians(step, &by_gaussians)?;
         Ok(result.loss)
     }
-}
 
-impl Trainer<'_> {
     /// What the targets say to the Gaussians, of which some sit out.
     fn loss_gradients(
         &mut self,
