@@ -17,7 +17,6 @@ use l4d_score::{
     Breakdown, Estimate, EvalSet, GroupKind, Metric, Metrics, Missing, Options, QuerySet, Summary, all_pairs,
     groups,
 };
-use polars::prelude::{Column, DataFrame, PolarsResult};
 use rayon::prelude::*;
 
 use crate::board::{
@@ -235,12 +234,10 @@ pub(crate) struct Counted {
     problem: Option<String>,
 }
 
-/// The IoUs that count, each with its frame, side by side.
+/// Of each canonical frame the sum of the IoUs that count, percent, and how many they are. A sum goes along with the rows,
+/// so that no table of a method is held while many are read.
 #[derive(Default)]
-struct FrameIous {
-    frames: Vec<u32>,
-    ious: Vec<f64>,
-}
+struct FrameIous(BTreeMap<u32, (f64, u32)>);
 
 impl Source<'_> {
     /// Fills in what `counts.csv` says of the method at a place of the board; gives its tallies if it is compared.
@@ -263,7 +260,7 @@ impl Source<'_> {
             return Err(contradicts(problem).into());
         }
         method.miou = Estimate::of_ratio(&tallies, |ratios| ratios.miou, self.seed);
-        method.iou_of_frames = frames.means().map_err(|error| BoardError::render("board.json", error))?;
+        method.iou_of_frames = frames.means();
         if place < MOST_DETAILED {
             method.groups = groups(&tallies, self.eval_set, |kind| has_group(kind, place), self.seed);
             fill(method, answers);
@@ -338,24 +335,15 @@ impl FrameIous {
             _ => count.union > 0,
         };
         if is_counted {
-            self.frames.push(count.frame);
-            self.ious.push(100.0 * count.intersection as f64 / count.union as f64);
+            let (sum, counted) = self.0.entry(count.frame).or_default();
+            *sum += 100.0 * count.intersection as f64 / count.union as f64;
+            *counted += 1;
         }
     }
 
     /// Canonical frame -> mean IoU, percent, over the queries with a true or predicted pixel there; a false alarm counts 0.
-    /// No metric: those are made by `l4d-score` alone, without polars. The group-by is eager, because lazy frames of this
-    /// version of polars bring an HTTP client and 180 more crates.
-    fn means(self) -> PolarsResult<BTreeMap<u32, f64>> {
-        let Self { frames, ious } = self;
-        let table = DataFrame::new(
-            frames.len(),
-            vec![Column::new("frame".into(), frames), Column::new("iou".into(), ious)],
-        )?;
-        #[expect(deprecated, reason = "what replaces it is lazy frames")]
-        let means = table.group_by_stable(["frame"])?.select(["iou"]).mean()?;
-        let pairs = means.column("frame")?.u32()?.iter().zip(means.column("iou_mean")?.f64()?.iter());
-        Ok(pairs.filter_map(|(frame, mean)| Some((frame?, mean?))).collect())
+    fn means(self) -> BTreeMap<u32, f64> {
+        self.0.into_iter().map(|(frame, (sum, counted))| (frame, sum / f64::from(counted))).collect()
     }
 }
 

@@ -4,7 +4,7 @@
 //! LaTeX, terminal text), figures (SVG and PNG) and the page (HTML) are pure functions of it. No metric is defined here:
 //! every number comes from `l4d-score`.
 //!
-//! polars stays inside `gather` and `tables`, plotters inside `figures`; no type of either is public.
+//! polars stays inside `tables`, plotters inside `figures`; no type of either is public.
 
 pub mod board;
 mod charts;
