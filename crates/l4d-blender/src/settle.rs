@@ -110,6 +110,7 @@ pub(crate) fn commit_truth(path: &Path, truth: &Truth, update: bool, report: &mu
 
 #[cfg(test)]
 mod tests {
+    use l4d_data::rle::Rle;
     use l4d_testing::Dataset;
 
     use super::*;
@@ -130,9 +131,20 @@ mod tests {
         let count = |truth: &mut Truth, view: &str, pixels: u32| {
             truth.visible.get_mut(view).unwrap().get_mut("ball_red").unwrap()[2] += pixels;
         };
-        assert_eq!(build(&|truth| count(truth, "cam03", 1)), 0);
-        assert_eq!(build(&|truth| count(truth, "cam03", 5)), 1);
-        assert_eq!(build(&|truth| count(truth, "cam02", 1)), 1, "the held-out view");
+        for view in ["cam03", "cam02"] {
+            assert_eq!(build(&|truth| count(truth, view, 4)), 0, "{view}");
+            assert_eq!(build(&|truth| count(truth, view, 5)), 1, "{view}");
+        }
+        let cut = |truth: &mut Truth, pixels: u32| {
+            let mask = truth.instances[0].masks.get_mut("0048").unwrap();
+            let [first, rest @ ..] = mask.runs() else { panic!("a mask without a pixel") };
+            let mut less = Rle::empty(mask.pixels());
+            less.push(first[0] + pixels, first[1]);
+            rest.iter().for_each(|run| less.push(run[0], run[1]));
+            *mask = less;
+        };
+        assert_eq!(build(&|truth| cut(truth, 4)), 0);
+        assert_eq!(build(&|truth| cut(truth, 5)), 1);
         assert_eq!(build(&|truth| drop(truth.instances[0].masks.remove("0048"))), 1);
     }
 }

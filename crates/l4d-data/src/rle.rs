@@ -192,6 +192,14 @@ impl Rle {
         self.runs().iter().map(|[start, end]| u64::from(end - start)).sum()
     }
 
+    /// Pixels inside one of the two and not the other; both belong to pictures of one size.
+    pub fn difference(&self, other: &Self) -> u64 {
+        // Each edge of either mask begins or ends a stretch in which they differ.
+        let mut edges = [self.edges.as_slice(), &other.edges].concat();
+        edges.sort_unstable();
+        edges.as_chunks().0.iter().map(|[start, end]| u64::from(end - start)).sum()
+    }
+
     /// Whether no pixel is inside.
     pub fn is_empty(&self) -> bool {
         self.edges.is_empty()
@@ -315,6 +323,17 @@ mod tests {
         // Empty runs are read and left out.
         assert_eq!(Rle::decode("6P0", 3, 2), Rle::decode("60", 3, 2));
         assert_eq!(rle(6, &[[0, 2], [2, 3]]), rle(6, &[[0, 3]]));
+    }
+
+    #[test]
+    fn differences_are_counted() {
+        let mask = rle(20, &[[2, 6], [8, 10]]);
+        let others: [(&[[u32; 2]], u64); 4] =
+            [(&[[2, 6], [8, 10]], 0), (&[], 6), (&[[6, 8], [10, 20]], 18), (&[[4, 9]], 5)];
+        for (runs, pixels) in others {
+            let other = rle(20, runs);
+            assert_eq!((mask.difference(&other), other.difference(&mask)), (pixels, pixels), "{runs:?}");
+        }
     }
 
     #[test]

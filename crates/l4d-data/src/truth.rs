@@ -3,6 +3,7 @@
 //! Scoring needs only this file and the queries: no render.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::iter::zip;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -16,9 +17,9 @@ use crate::timeline::{Interval, Profile};
 
 /// Schema tag of a truth file.
 pub const SCHEMA: &str = "l4d/truth/1";
-/// Pixels of an instance that a picture of a training view may have more or less when another machine renders it: where
-/// two surfaces are equally far to the last bit, processors choose differently. One is what was seen.
-pub const TRAINING_VIEW_TOLERANCE_PX: u32 = 4;
+/// Pixels of an instance in a picture that may be others when another machine renders it: where two surfaces are equally
+/// far to the last bit, processors choose differently. One is what was seen.
+pub const TOLERANCE_PX: u32 = 4;
 /// Frames have four digits in files.
 const MAX_FRAME: u32 = 9_999;
 
@@ -38,6 +39,20 @@ pub struct InstanceTruth {
 }
 
 impl InstanceTruth {
+    /// The first frame whose mask differs from that of `other` by more than [`TOLERANCE_PX`].
+    pub fn first_unlike<'a>(&'a self, other: &'a Self) -> Option<&'a str> {
+        let frames: BTreeSet<&String> = self.masks.keys().chain(other.masks.keys()).collect();
+        let differs = |frame: &&String| {
+            let pixels = match (self.masks.get(*frame), other.masks.get(*frame)) {
+                (Some(mask), Some(other)) => mask.difference(other),
+                (Some(mask), None) | (None, Some(mask)) => mask.area(),
+                (None, None) => 0,
+            };
+            pixels > u64::from(TOLERANCE_PX)
+        };
+        frames.into_iter().find(differs).map(String::as_str)
+    }
+
     fn instance(&self) -> Instance {
         Instance {
             id: self.id,
@@ -94,28 +109,20 @@ impl Truth {
         self.instances.iter().find(|instance| instance.name.as_str() == name)
     }
 
-    /// Whether both may be of one scene, rendered by two machines: the held-out view is the same to the pixel, and the
-    /// others are within [`TRAINING_VIEW_TOLERANCE_PX`].
+    /// Whether both may be of one scene, rendered by two machines: no instance has more than [`TOLERANCE_PX`] other
+    /// pixels in a mask, or more or fewer in a view.
     pub fn agrees_with(&self, other: &Self) -> bool {
-        let rest = |truth: &Self| Self { visible: BTreeMap::new(), ..truth.clone() };
-        let of_view = |(view, counts): (&Name, &BTreeMap<Name, Vec<u32>>)| {
-            other.visible.get(view).is_some_and(|others| {
-                counts.len() == others.len()
-                    && counts.iter().all(|(name, counts)| {
-                        others.get(name).is_some_and(|others| self.counts_agree(view, counts, others))
-                    })
-            })
+        let rest = |truth: &Self| {
+            let mut rest = truth.clone();
+            rest.instances.iter_mut().for_each(|instance| instance.masks.clear());
+            rest.visible.values_mut().flat_map(BTreeMap::values_mut).for_each(Vec::clear);
+            rest
         };
-        self.visible.len() == other.visible.len()
-            && self.visible.iter().all(of_view)
-            && rest(self) == rest(other)
-    }
-
-    /// The same of the counts of an instance in a view.
-    pub fn counts_agree(&self, view: &Name, counts: &[u32], others: &[u32]) -> bool {
-        let tolerance = if *view == self.test_view { 0 } else { TRAINING_VIEW_TOLERANCE_PX };
-        counts.len() == others.len()
-            && counts.iter().zip(others).all(|(count, other)| count.abs_diff(*other) <= tolerance)
+        let mut counts = zip(self.visible.values(), other.visible.values())
+            .flat_map(|(one, other)| zip(one.values(), other.values()));
+        rest(self) == rest(other)
+            && zip(&self.instances, &other.instances).all(|(one, other)| one.first_unlike(other).is_none())
+            && counts.all(|(counts, others)| counts_agree(counts, others))
     }
 
     /// All frames of the clip, annotated or not, ascending.
@@ -213,6 +220,12 @@ impl Document for Truth {
             Some((format!("instance {}, mask at `{frame}`", instance.name), message))
         })
     }
+}
+
+/// Whether two machines may have counted so many pixels of an instance in a view, frame by frame.
+pub fn counts_agree(counts: &[u32], others: &[u32]) -> bool {
+    counts.len() == others.len()
+        && zip(counts, others).all(|(count, other)| count.abs_diff(*other) <= TOLERANCE_PX)
 }
 
 /// The four-digit form of a frame number used as JSON key and file stem.

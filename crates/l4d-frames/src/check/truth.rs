@@ -1,7 +1,7 @@
 //! Whether the committed truth is what the pictures say.
 
 use l4d_data::Report;
-use l4d_data::truth::{Truth, frame_key};
+use l4d_data::truth::{Truth, counts_agree, frame_key};
 
 use super::Request;
 
@@ -29,13 +29,7 @@ pub(super) fn compare_with_committed(seen: &Truth, request: Request, report: &mu
             differs(place, "is not in the truth".into());
             continue;
         };
-        let changed: Vec<&String> = instance
-            .masks
-            .keys()
-            .chain(stated.masks.keys())
-            .filter(|frame| instance.masks.get(*frame) != stated.masks.get(*frame))
-            .collect();
-        if let Some(first) = changed.iter().min() {
+        if let Some(first) = stated.first_unlike(instance) {
             differs(format!("{place}, masks"), format!("differ from the pictures, first at frame {first}"));
         }
     }
@@ -44,7 +38,7 @@ pub(super) fn compare_with_committed(seen: &Truth, request: Request, report: &mu
         for (name, counts) in counts {
             let stated = stated.and_then(|stated| stated.get(name));
             let first = match stated {
-                Some(stated) if committed.counts_agree(view, stated, counts) => continue,
+                Some(stated) if counts_agree(stated, counts) => continue,
                 Some(stated) => stated.iter().zip(counts).position(|(stated, found)| stated != found),
                 None => None,
             };

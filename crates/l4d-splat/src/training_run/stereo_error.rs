@@ -1,4 +1,4 @@
-//! How far off depths are that comparing pictures finds, and what models reach that learn from them, on rendered scenes.
+//! How far off depths of backgrounds are that comparing pictures finds, on rendered scenes.
 //!
 //! `L4D_SCENE` names the folder of a scene, `L4D_PROFILE` its profile.
 
@@ -6,24 +6,26 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use l4d_data::{Name, Silent};
+use l4d_data::Name;
 
 use super::*;
 use crate::raster::Cpu;
 use crate::train::{Preset, background_errors};
 
-fn with_request<T>(sees_depth: bool, folder: PathBuf, act: impl FnOnce(&TrainingRequest<'_>) -> T) -> T {
+#[test]
+#[ignore = "measures: needs a rendered scene"]
+fn depths_of_backgrounds_against_the_truth() {
     let path = PathBuf::from(std::env::var_os("L4D_SCENE").unwrap());
     let name = Name::new(path.file_name().unwrap().to_str().unwrap()).unwrap();
     let profile: Profile = std::env::var("L4D_PROFILE").unwrap().parse().unwrap();
     let dir = SceneDir::new(path.parent().unwrap(), name.as_str());
-    act(&TrainingRequest {
+    let source = PictureSource::open(&TrainingRequest {
         scene: &name,
         profile,
         dir: &dir,
-        folder,
+        folder: PathBuf::new(),
         settings: Settings::of(Preset::default(), profile),
-        sees_depth,
+        sees_depth: true,
         points: None,
         sampling: Sampling { shrink: 1, every: 1 },
         between_checkpoints: Duration::from_secs(3600),
@@ -31,21 +33,11 @@ fn with_request<T>(sees_depth: bool, folder: PathBuf, act: impl FnOnce(&Training
         stop: &AtomicBool::new(false),
         rasterizer: &Cpu::default(),
         adapter: None,
-    })
-}
-
-/// Depths of what stands still.
-#[test]
-#[ignore = "measures: needs a rendered scene"]
-fn depths_of_backgrounds_against_the_truth() {
-    let mut errors = Vec::new();
-    let seconds = with_request(true, PathBuf::new(), |request| {
-        let source = PictureSource::open(request).unwrap();
-        let input = Input::read(request.dir, &source, &|| ()).unwrap();
-        let begin = Instant::now();
-        errors = background_errors(&input.views);
-        begin.elapsed().as_secs_f64()
     });
+    let input = Input::read(&dir, &source.unwrap(), &|| ()).unwrap();
+    let begin = Instant::now();
+    let mut errors = background_errors(&input.views);
+    let seconds = begin.elapsed().as_secs_f64();
     errors.sort_by(f32::total_cmp);
     let at = |share: f64| 100.0 * errors[(share * (errors.len() - 1) as f64) as usize];
     let right = 100.0 * errors.iter().filter(|error| **error < 0.01).count() as f64 / errors.len() as f64;
@@ -56,15 +48,4 @@ fn depths_of_backgrounds_against_the_truth() {
         at(0.75),
         at(0.9)
     );
-}
-
-/// What a model reaches in the held-out view; with `L4D_DEPTH` one that learned from depth, too.
-#[test]
-#[ignore = "measures: needs a rendered scene"]
-fn errors_of_a_model() {
-    let folder = tempfile::tempdir().unwrap();
-    let sees_depth = std::env::var_os("L4D_DEPTH").is_some();
-    with_request(sees_depth, folder.path().to_owned(), |request| {
-        println!("{}\n{}", request.scene, train_scene(request, &Silent).unwrap().table());
-    });
 }
