@@ -122,7 +122,7 @@ impl Truth {
             .flat_map(|(one, other)| zip(one.values(), other.values()));
         rest(self) == rest(other)
             && zip(&self.instances, &other.instances).all(|(one, other)| one.first_unlike(other).is_none())
-            && counts.all(|(counts, others)| counts_agree(counts, others))
+            && counts.all(|(counts, others)| first_unlike_count(counts, others).is_none())
     }
 
     /// All frames of the clip, annotated or not, ascending.
@@ -222,10 +222,10 @@ impl Document for Truth {
     }
 }
 
-/// Whether two machines may have counted so many pixels of an instance in a view, frame by frame.
-pub fn counts_agree(counts: &[u32], others: &[u32]) -> bool {
-    counts.len() == others.len()
-        && zip(counts, others).all(|(count, other)| count.abs_diff(*other) <= TOLERANCE_PX)
+/// The first position at which counts of an instance in a view are further apart than those of two machines may be.
+pub fn first_unlike_count(counts: &[u32], others: &[u32]) -> Option<usize> {
+    let unlike = zip(counts, others).position(|(count, other)| count.abs_diff(*other) > TOLERANCE_PX);
+    unlike.or_else(|| (counts.len() != others.len()).then(|| counts.len().min(others.len())))
 }
 
 /// The four-digit form of a frame number used as JSON key and file stem.

@@ -1,7 +1,7 @@
 //! Whether the committed truth is what the pictures say.
 
 use l4d_data::Report;
-use l4d_data::truth::{Truth, counts_agree, frame_key};
+use l4d_data::truth::{Truth, first_unlike_count, frame_key};
 
 use super::Request;
 
@@ -37,11 +37,10 @@ pub(super) fn compare_with_committed(seen: &Truth, request: Request, report: &mu
         let stated = committed.visible.get(view);
         for (name, counts) in counts {
             let stated = stated.and_then(|stated| stated.get(name));
-            let first = match stated {
-                Some(stated) if counts_agree(stated, counts) => continue,
-                Some(stated) => stated.iter().zip(counts).position(|(stated, found)| stated != found),
-                None => None,
-            };
+            let first = stated.and_then(|stated| first_unlike_count(stated, counts));
+            if stated.is_some() && first.is_none() {
+                continue;
+            }
             let frame = first
                 .and_then(|position| seen.frames.get(position))
                 .map_or_else(String::new, |frame| format!(", first at frame {}", frame_key(*frame)));
