@@ -243,6 +243,7 @@ fn a_truth_that_was_edited() {
         json::write_compact(&path, truth).unwrap();
     };
     // As much as two machines may differ, in the held-out view too.
+    truth.visible.get_mut("cam03").unwrap().get_mut("ball_red").unwrap()[0] += 1;
     count(&mut truth, "cam03", 4);
     count(&mut truth, "cam02", 4);
     assert!(codes(&fake).is_empty());
